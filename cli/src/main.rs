@@ -1,0 +1,2 @@
+//! The `bia` command.
+fn main() {}

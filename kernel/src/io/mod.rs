@@ -1,0 +1,1 @@
+//! Files: mesh input, results for ParaView and for machines.
