@@ -1,0 +1,120 @@
+//! Parameters: JSON with declared keys.
+//!
+//! A component declares its keys once, as a table of [`Key`]s with kind, default, range and help.
+//! [`Parameters::read`] checks a JSON object against the table, fills in the defaults and returns
+//! [`Settings`]; all faults of an object are reported together, each with file, line, pointer and
+//! the nearest allowed name. The same table feeds the documentation.
+
+mod document;
+mod key;
+mod settings;
+
+pub use document::Document;
+pub use key::{Default, Key, Kind, Range};
+pub use settings::Settings;
+
+use crate::diagnostic::{Diagnostic, InputErrors, Place};
+use serde_json::Value;
+use std::sync::Arc;
+
+/// A value of a JSON document together with its place.
+#[derive(Debug, Clone)]
+pub struct Parameters {
+    document: Arc<Document>,
+    pointer: String,
+    value: Value,
+}
+
+impl Parameters {
+    /// The root of a document.
+    pub fn root(document: Document) -> Self {
+        let value = document.root().clone();
+        Self { document: Arc::new(document), pointer: String::new(), value }
+    }
+
+    /// The value itself.
+    pub fn value(&self) -> &Value {
+        &self.value
+    }
+
+    /// The document it stands in.
+    pub fn document(&self) -> &Document {
+        &self.document
+    }
+
+    /// Its JSON pointer.
+    pub fn pointer(&self) -> &str {
+        &self.pointer
+    }
+
+    /// Its place in the file.
+    pub fn place(&self) -> Place {
+        self.document.place(&self.pointer)
+    }
+
+    /// The member `key` of an object.
+    pub fn child(&self, key: &str) -> Option<Parameters> {
+        let value = self.value.get(key)?.clone();
+        Some(self.at(&key.replace('~', "~0").replace('/', "~1"), value))
+    }
+
+    /// The entries of a list; empty for anything else.
+    pub fn entries(&self) -> Vec<Parameters> {
+        let list = self.value.as_array().map_or(&[][..], Vec::as_slice);
+        list.iter().enumerate().map(|(i, value)| self.at(&i.to_string(), value.clone())).collect()
+    }
+
+    /// Members of an object in alphabetical order, which is the order in which Kratos visits them.
+    pub fn members(&self) -> Vec<(String, Parameters)> {
+        let mut keys: Vec<&String> = self.value.as_object().map(|o| o.keys().collect()).unwrap_or_default();
+        keys.sort();
+        keys.into_iter().filter_map(|key| Some((key.clone(), self.child(key)?))).collect()
+    }
+
+    /// The same place with another value (a filled-in default, for example).
+    pub(crate) fn at(&self, key: &str, value: Value) -> Parameters {
+        Parameters { document: self.document.clone(), pointer: format!("{}/{key}", self.pointer), value }
+    }
+
+    /// An error at this place.
+    pub fn error(&self, message: impl Into<String>) -> Diagnostic {
+        Diagnostic::error(self.place(), message)
+    }
+
+    /// A warning at this place.
+    pub fn warning(&self, message: impl Into<String>) -> Diagnostic {
+        Diagnostic::warning(self.place(), message)
+    }
+
+    /// Checks this object against a table of keys and fills in defaults.
+    ///
+    /// # Errors
+    /// Unknown keys, missing required keys, wrong kinds, values out of range: all together.
+    pub fn read(&self, keys: &'static [Key]) -> Result<Settings, InputErrors> {
+        Settings::read(self, keys)
+    }
+
+    /// The text of a required member.
+    ///
+    /// # Errors
+    /// It is missing or no text.
+    pub fn text(&self, key: &str) -> Result<String, InputErrors> {
+        let child = self.child(key).ok_or_else(|| self.error(format!("{key:?} is missing")))?;
+        match child.value.as_str() {
+            Some(text) => Ok(text.into()),
+            None => Err(child.error(format!("is {}, must be a text", describe(&child.value))).into()),
+        }
+    }
+}
+
+/// How a value is named in messages: `the text "abc"`, `the number 3`.
+pub(crate) fn describe(value: &Value) -> String {
+    match value {
+        Value::Null => "null".into(),
+        Value::Bool(b) => format!("{b}"),
+        Value::Number(n) => format!("the number {n}"),
+        Value::String(s) => format!("the text {s:?}"),
+        Value::Array(list) => format!("a list of {}", list.len()),
+        Value::Object(_) => "an object".into(),
+    }
+}
