@@ -4,7 +4,19 @@
 //! The kernel knows no physics and names no application; applications hand it components
 //! (modelers, processes, solvers) through the [`registry`].
 
+pub mod analysis;
 pub mod diagnostic;
+pub mod error;
+pub mod expression;
 pub mod geometry;
 pub mod io;
 pub mod model;
+pub mod modelers;
+pub mod parameters;
+pub mod processes;
+pub mod registry;
+pub mod solving;
+pub mod variables;
+
+pub use bia_linalg as linalg;
+pub use error::{Error, Failure};

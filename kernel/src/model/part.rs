@@ -2,6 +2,7 @@
 
 use super::{Properties, Table};
 use crate::geometry::Shape;
+use crate::variables::Fields;
 use std::collections::{BTreeMap, HashMap};
 
 /// Nodes of a root model part, ascending by id.
@@ -157,6 +158,10 @@ pub struct ModelPart {
     pub tables: BTreeMap<u32, Table>,
     /// Sub model parts of the first level, in the order of the file.
     pub children: Vec<SubModelPart>,
+    /// Values on the nodes, allocated on demand.
+    pub node_fields: Fields,
+    /// Values on the conditions, allocated on demand.
+    pub condition_fields: Fields,
     /// Data given to nodes in the mesh file: variable → (node index, fixed, value).
     pub nodal_data: BTreeMap<String, Vec<(u32, bool, super::Value)>>,
     /// Data given to elements in the mesh file: variable → (element index, value).

@@ -1,0 +1,248 @@
+//! Material points as columns, in blocks of one body and one material.
+
+use super::conditions::PointConditions;
+use bia_constitutive::{Kinematics, Law};
+use bia_kernel::variables::Column;
+use nalgebra::Matrix3;
+
+/// Which columns a scene needs beside position, mass, cell and deformation gradient.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Columns {
+    /// Displacement since the start.
+    pub displacement: bool,
+    /// Velocity and acceleration.
+    pub motion: bool,
+    /// Cauchy stress.
+    pub stress: bool,
+    /// Strain in the measure of the law.
+    pub strain: bool,
+    /// Current volume.
+    pub volume: bool,
+}
+
+/// Points of one body with one material.
+pub struct Block {
+    /// Index of the body in [`MaterialPoints::bodies`].
+    pub body: usize,
+    /// Id of the properties.
+    pub material: u32,
+    /// Name of the law in the materials file.
+    pub law_name: String,
+    /// The constitutive law.
+    pub law: Box<dyn Law>,
+    /// Initial density in kg/m³.
+    pub density: f64,
+    /// Body force per mass in m/s².
+    pub body_acceleration: [f64; 3],
+    /// Ids, ascending.
+    pub ids: Vec<u32>,
+    /// Background cell of each point.
+    pub cell: Vec<u32>,
+    /// Local coordinates in that cell.
+    pub local: Column,
+    /// Position in m.
+    pub position: Column,
+    /// Displacement in m, if used.
+    pub displacement: Column,
+    /// Velocity in m/s, if used.
+    pub velocity: Column,
+    /// Acceleration in m/s², if used.
+    pub acceleration: Column,
+    /// Mass in kg.
+    pub mass: Column,
+    /// Deformation gradient: the plane part row by row, then F33 if axisymmetric; or all nine.
+    pub gradient: Column,
+    /// History of the law.
+    pub state: Column,
+    /// Cauchy stress in Pa, in the Voigt order of the kinematics, if used.
+    pub stress: Column,
+    /// Strain, if used.
+    pub strain: Column,
+    /// Volume in m³, if used.
+    pub volume: Column,
+}
+
+impl Block {
+    /// Number of points.
+    pub fn len(&self) -> usize {
+        self.ids.len()
+    }
+
+    /// True without points.
+    pub fn is_empty(&self) -> bool {
+        self.ids.is_empty()
+    }
+
+    /// The deformation gradient of a point, 3×3.
+    #[inline]
+    pub fn deformation_gradient(&self, point: usize) -> Matrix3<f64> {
+        expand(self.gradient.row(point))
+    }
+
+    /// Volume of a point in m³ from its mass and deformation.
+    pub fn current_volume(&self, point: usize) -> f64 {
+        self.mass.row(point)[0] / self.density * self.deformation_gradient(point).determinant()
+    }
+
+    /// All columns with their names.
+    pub fn columns(&self) -> [(&'static str, &Column); 11] {
+        [
+            ("local coordinates", &self.local),
+            ("position", &self.position),
+            ("displacement", &self.displacement),
+            ("velocity", &self.velocity),
+            ("acceleration", &self.acceleration),
+            ("mass", &self.mass),
+            ("deformation gradient", &self.gradient),
+            ("law history", &self.state),
+            ("Cauchy stress", &self.stress),
+            ("strain", &self.strain),
+            ("volume", &self.volume),
+        ]
+    }
+
+    fn columns_mut(&mut self) -> [&mut Column; 11] {
+        [
+            &mut self.local,
+            &mut self.position,
+            &mut self.displacement,
+            &mut self.velocity,
+            &mut self.acceleration,
+            &mut self.mass,
+            &mut self.gradient,
+            &mut self.state,
+            &mut self.stress,
+            &mut self.strain,
+            &mut self.volume,
+        ]
+    }
+
+    /// Bytes of all columns, ids and cells.
+    pub fn bytes(&self) -> usize {
+        self.columns().iter().map(|(_, column)| column.bytes()).sum::<usize>() + 8 * self.len()
+    }
+
+    /// Keeps the points for which `keep` holds, in their order.
+    pub fn retain(&mut self, keep: &[bool]) {
+        let mut kept = keep.iter();
+        self.ids.retain(|_| kept.next() == Some(&true));
+        let mut kept = keep.iter();
+        self.cell.retain(|_| kept.next() == Some(&true));
+        for column in self.columns_mut() {
+            column.retain(keep);
+        }
+    }
+}
+
+/// Numbers of a stored deformation gradient.
+pub fn gradient_width(kinematics: Kinematics) -> usize {
+    match kinematics {
+        Kinematics::ThreeDimensional => 9,
+        Kinematics::PlaneStrain | Kinematics::PlaneStress => 4,
+        Kinematics::Axisymmetric => 5,
+    }
+}
+
+/// The 3×3 gradient of a stored row.
+#[inline]
+pub fn expand(row: &[f64]) -> Matrix3<f64> {
+    match *row {
+        [a, b, c, d] => Matrix3::new(a, b, 0.0, c, d, 0.0, 0.0, 0.0, 1.0),
+        [a, b, c, d, e] => Matrix3::new(a, b, 0.0, c, d, 0.0, 0.0, 0.0, e),
+        _ => Matrix3::from_row_slice(row),
+    }
+}
+
+/// Stores a 3×3 gradient in a row.
+#[inline]
+pub fn compress(gradient: &Matrix3<f64>, row: &mut [f64]) {
+    let f = |i, j| gradient[(i, j)];
+    match row {
+        [a, b, c, d] => (*a, *b, *c, *d) = (f(0, 0), f(0, 1), f(1, 0), f(1, 1)),
+        [a, b, c, d, e] => (*a, *b, *c, *d, *e) = (f(0, 0), f(0, 1), f(1, 0), f(1, 1), f(2, 2)),
+        _ => (0..9).for_each(|k| row[k] = f(k / 3, k % 3)),
+    }
+}
+
+/// All material points of a run; kept beside the model parts in the model.
+pub struct MaterialPoints {
+    /// Name of the part of points, `MPM_Material` by default.
+    pub name: String,
+    /// Kinematics of the scene.
+    pub kinematics: Kinematics,
+    /// Names of the bodies: the first-level parts of the initial model part.
+    pub bodies: Vec<String>,
+    /// Blocks, by body and material, in the order of their first ids.
+    pub blocks: Vec<Block>,
+    /// Material-point conditions.
+    pub conditions: PointConditions,
+    /// Points erased because they left the grid.
+    pub lost: usize,
+    /// Mass erased with them, in kg.
+    pub lost_mass: f64,
+}
+
+impl MaterialPoints {
+    /// Dimension of space.
+    pub fn dimension(&self) -> usize {
+        self.kinematics.dimension()
+    }
+
+    /// Number of points.
+    pub fn len(&self) -> usize {
+        self.blocks.iter().map(Block::len).sum()
+    }
+
+    /// True without points.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// (block, point) of all points, of one body or of all, ascending by id.
+    pub fn by_id(&self, body: Option<usize>) -> Vec<(u32, u32)> {
+        let blocks = || self.blocks.iter().enumerate().filter(|(_, block)| body.is_none_or(|body| block.body == body));
+        let mut order: Vec<(u32, u32)> =
+            blocks().flat_map(|(b, block)| (0..block.len() as u32).map(move |p| (b as u32, p))).collect();
+        let id = |&(b, p): &(u32, u32)| self.blocks[b as usize].ids[p as usize];
+        if !order.is_sorted_by_key(id) {
+            order.sort_by_key(id);
+        }
+        order
+    }
+
+    /// The body that a part path selects: `MPM_Material.Body`, `Initial_MPM_Material.Body`,
+    /// `Background_Grid.Body` or `Body` alone; none inside for all bodies.
+    ///
+    /// # Errors
+    /// There is no such body.
+    #[allow(clippy::option_option)]
+    pub fn select(&self, path: &str) -> Result<Option<usize>, ()> {
+        let initial = format!("Initial_{}", self.name);
+        let (root, below) = path.split_once('.').map_or((path, None), |(root, below)| (root, Some(below)));
+        let is_root = root == self.name || root == initial || root == "Background_Grid";
+        let name = match (is_root, below) {
+            (true, None) => return Ok(None),
+            (true, Some(below)) => below,
+            (false, _) => path,
+        };
+        self.bodies.iter().position(|body| body == name).map(Some).ok_or(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn gradients_survive_storage() {
+        for (width, f) in [
+            (4, Matrix3::new(1.1, 0.2, 0.0, -0.3, 0.9, 0.0, 0.0, 0.0, 1.0)),
+            (5, Matrix3::new(1.1, 0.2, 0.0, -0.3, 0.9, 0.0, 0.0, 0.0, 1.4)),
+            (9, Matrix3::new(1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 10.0)),
+        ] {
+            let mut row = vec![0.0; width];
+            compress(&f, &mut row);
+            assert_eq!(expand(&row), f);
+        }
+    }
+}

@@ -1,0 +1,9 @@
+//! Material points, their blocks, and the conditions that move with them.
+
+mod block;
+pub mod conditions;
+pub mod fields;
+mod generate;
+
+pub use block::{Block, Columns, MaterialPoints};
+pub use generate::generate;

@@ -1,0 +1,57 @@
+//! The variables of the material point method, with Kratos's names.
+
+use bia_kernel::registry::Registry;
+use bia_kernel::variables::Variable;
+
+/// Declares the constants and the list of all of them.
+macro_rules! variables {
+    ($($rank:ident $name:ident, $unit:literal, $help:literal;)*) => {
+        $(#[doc = concat!($help, " [", $unit, "].")]
+        pub const $name: Variable = Variable::$rank(stringify!($name), $unit, $help);)*
+
+        /// All of them.
+        pub const ALL: &[Variable] = &[$($name),*];
+    };
+}
+
+variables! {
+    vector DISPLACEMENT, "m", "displacement of a grid node in this step";
+    vector VELOCITY, "m/s", "velocity of a grid node";
+    vector ACCELERATION, "m/s²", "acceleration of a grid node";
+    vector REACTION, "N", "force that holds a fixed grid node";
+    scalar NODAL_MASS, "kg", "mass gathered on a grid node";
+    scalar PRESSURE, "Pa", "pressure of a grid node";
+    vector POINT_LOAD, "N", "force on a point";
+    vector LINE_LOAD, "N/m", "force per length of a line";
+    vector SURFACE_LOAD, "N/m²", "force per area of a surface";
+    scalar POSITIVE_FACE_PRESSURE, "Pa", "pressure on the positive side of a face";
+    scalar NEGATIVE_FACE_PRESSURE, "Pa", "pressure on the negative side of a face";
+    vector MP_COORD, "m", "position of a material point";
+    vector MP_DISPLACEMENT, "m", "displacement of a material point";
+    vector MP_VELOCITY, "m/s", "velocity of a material point";
+    vector MP_ACCELERATION, "m/s²", "acceleration of a material point";
+    vector MP_VOLUME_ACCELERATION, "m/s²", "body force per mass of a material point";
+    voigt MP_CAUCHY_STRESS_VECTOR, "Pa", "Cauchy stress of a material point";
+    voigt MP_ALMANSI_STRAIN_VECTOR, "1", "strain of a material point, in the measure of its law";
+    scalar MP_MASS, "kg", "mass of a material point";
+    scalar MP_VOLUME, "m³", "volume of a material point";
+    scalar MP_DENSITY, "kg/m³", "density of a material point";
+    scalar MP_MATERIAL_ID, "1", "id of the properties of a material point";
+    scalar MP_POTENTIAL_ENERGY, "J", "potential energy of a material point";
+    scalar MP_KINETIC_ENERGY, "J", "kinetic energy of a material point";
+    scalar MP_STRAIN_ENERGY, "J", "half the work of stress on strain of a material point";
+    scalar MP_TOTAL_ENERGY, "J", "sum of the energies of a material point";
+    vector MPC_COORD, "m", "position of a material-point condition";
+    vector MPC_DISPLACEMENT, "m", "displacement of a material-point condition";
+    vector MPC_VELOCITY, "m/s", "velocity of a material-point condition";
+    vector MPC_ACCELERATION, "m/s²", "acceleration of a material-point condition";
+    vector MPC_NORMAL, "1", "normal of a material-point condition";
+    scalar MPC_AREA, "m²", "area of a material-point condition";
+}
+
+/// Registers them.
+pub fn register(registry: &mut Registry) {
+    for variable in ALL {
+        registry.variable(*variable);
+    }
+}

@@ -1,0 +1,156 @@
+//! The account of a run: what it did, how long it took, and the states that `--record` asks for.
+
+use crate::error::Error;
+use crate::io::files::write_atomically;
+use crate::model::Model;
+use crate::processes::Clock;
+use crate::solving::StepReport;
+use crate::solving::solver::{Snapshot, Solver};
+use cpu_time::ProcessTime;
+use serde_json::{Map, Value, json};
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+/// What a run did.
+#[derive(Debug, Clone)]
+pub struct Account {
+    /// Steps taken.
+    pub steps: usize,
+    /// Time reached, in seconds.
+    pub end_time: f64,
+    /// Newton iterations of each step.
+    pub iterations: Vec<usize>,
+    /// Steps whose criterion was not met.
+    pub not_converged: Vec<usize>,
+    /// Wall time by stage.
+    pub stages: Vec<(&'static str, Duration)>,
+    /// Energies at the end, in joules.
+    pub energies: Vec<(&'static str, f64)>,
+    /// Files written.
+    pub files: Vec<PathBuf>,
+    /// Wall time of the loop.
+    pub wall_loop: Duration,
+    /// CPU time of the loop, all threads.
+    pub cpu_loop: Duration,
+    begin: Instant,
+    loop_begin: (Instant, Duration),
+}
+
+impl Account {
+    pub(super) fn start() -> Self {
+        Self {
+            steps: 0,
+            end_time: 0.0,
+            iterations: Vec::new(),
+            not_converged: Vec::new(),
+            stages: Vec::new(),
+            energies: Vec::new(),
+            files: Vec::new(),
+            wall_loop: Duration::ZERO,
+            cpu_loop: Duration::ZERO,
+            begin: Instant::now(),
+            loop_begin: (Instant::now(), Duration::ZERO),
+        }
+    }
+
+    pub(super) fn start_loop(&mut self) {
+        self.loop_begin = (Instant::now(), cpu_total());
+    }
+
+    pub(super) fn end_loop(&mut self) {
+        self.wall_loop = self.loop_begin.0.elapsed();
+        self.cpu_loop = cpu_total().saturating_sub(self.loop_begin.1);
+    }
+
+    pub(super) fn step(&mut self, clock: &Clock, report: &StepReport) {
+        self.iterations.push(report.iterations);
+        if !report.converged {
+            self.not_converged.push(clock.step);
+        }
+    }
+}
+
+/// CPU time of this process so far.
+fn cpu_total() -> Duration {
+    ProcessTime::try_now().map_or(Duration::ZERO, ProcessTime::as_duration)
+}
+
+/// Largest resident memory so far in megabytes, where the system tells it.
+pub fn peak_memory_mb() -> Option<f64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
+    line.split_whitespace().nth(1)?.parse::<f64>().ok().map(|kilobytes| kilobytes / 1024.0)
+}
+
+/// Where the account is written and how many states it holds.
+#[derive(Debug, Clone)]
+pub struct RecordPlan {
+    /// The file.
+    pub path: PathBuf,
+    /// States beside the first one.
+    pub states: usize,
+    /// Threads used, for the account.
+    pub threads: usize,
+}
+
+/// Collects states while the run goes on.
+pub(super) struct Recorder {
+    plan: RecordPlan,
+    steps: Vec<usize>,
+    snapshots: Vec<Value>,
+}
+
+impl Recorder {
+    pub(super) fn new(plan: RecordPlan, total: usize) -> Self {
+        let n = plan.states.max(1);
+        let mut steps: Vec<usize> =
+            (1..=n).map(|k| round_half_to_even(k as f64 * total as f64 / n as f64).max(1)).collect();
+        steps.push(total);
+        Self { plan, steps, snapshots: Vec::new() }
+    }
+
+    pub(super) fn observe(&mut self, clock: &Clock, solver: &dyn Solver, model: &Model) {
+        if clock.step == 0 || self.steps.contains(&clock.step) {
+            let mut map = Map::new();
+            map.insert("step".into(), clock.step.into());
+            map.insert("time".into(), number(clock.time));
+            map.extend(solver.snapshot(model).0);
+            self.snapshots.push(Value::Object(map));
+        }
+    }
+
+    pub(super) fn write(self, account: &Account, head: Snapshot) -> Result<(), Error> {
+        let mut record = json!({
+            "bia_version": env!("CARGO_PKG_VERSION"),
+            "threads": self.plan.threads,
+            "steps": account.steps,
+            "end_time": account.end_time,
+            "wall_loop_s": account.wall_loop.as_secs_f64(),
+            "cpu_loop_s": account.cpu_loop.as_secs_f64(),
+            "wall_total_s": account.begin.elapsed().as_secs_f64(),
+            "cpu_total_s": cpu_total().as_secs_f64(),
+            "peak_rss_mb": peak_memory_mb(),
+            "iterations": account.iterations,
+            "not_converged_steps": account.not_converged,
+        });
+        if let Some(map) = record.as_object_mut() {
+            map.extend(head.0);
+            map.insert("snapshots".into(), Value::Array(self.snapshots));
+        }
+        let path = self.plan.path;
+        let write = |file: &mut dyn std::io::Write| serde_json::to_writer(file, &record).map_err(std::io::Error::from);
+        match write_atomically(&path, write) {
+            Ok(_) => Ok(()),
+            Err(source) => Err(Error::Write { path, source }),
+        }
+    }
+}
+
+/// A number for JSON, which has no infinities: they become null.
+pub fn number(x: f64) -> Value {
+    serde_json::Number::from_f64(x).map_or(Value::Null, Value::Number)
+}
+
+fn round_half_to_even(x: f64) -> usize {
+    x.round_ties_even() as usize
+}

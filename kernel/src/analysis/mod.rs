@@ -1,0 +1,225 @@
+//! The analysis: builds what a project names and drives it through time in Kratos's order.
+
+mod account;
+mod project;
+
+pub use account::{Account, RecordPlan};
+pub use project::Project;
+
+use crate::diagnostic::InputErrors;
+use crate::error::Error;
+use crate::model::Model;
+use crate::parameters::{Document, Parameters};
+use crate::processes::{Clock, Context, Process, Requirements, RunOptions};
+use crate::registry::Registry;
+use crate::solving::StepReport;
+use crate::solving::solver::{Inventory, Solver};
+use account::Recorder;
+use std::time::{Duration, Instant};
+
+/// Watches a run: the command line shows progress with it.
+pub trait Observer {
+    /// A step is done. `planned` is the number of steps expected, if it can be known.
+    fn step(&mut self, clock: &Clock, planned: Option<usize>, report: &StepReport);
+}
+
+/// An observer that looks away.
+impl Observer for () {
+    fn step(&mut self, _: &Clock, _: Option<usize>, _: &StepReport) {}
+}
+
+/// A project, read, checked and ready to run.
+pub struct Analysis {
+    /// The model.
+    pub model: Model,
+    solver: Box<dyn Solver>,
+    processes: Vec<Box<dyn Process>>,
+    first_output: usize,
+    clock: Clock,
+    options: RunOptions,
+    warnings: Vec<String>,
+    stages: Vec<(&'static str, Duration)>,
+}
+
+impl Analysis {
+    /// Reads all input of a project, checks it and makes the model; nothing is written.
+    ///
+    /// # Errors
+    /// Every fault of the input that can be found: first those of the JSON alone, then those that
+    /// need the meshes.
+    pub fn prepare(
+        document: Document,
+        registry: &Registry,
+        mut options: RunOptions,
+        record: bool,
+    ) -> Result<Self, InputErrors> {
+        let project = Project::read(Parameters::root(document))?;
+        options.kratos_exact |= project.kratos_exact;
+        let mut errors = InputErrors::default();
+        let solver = errors.absorb(registry.build_solver(&project.solver, &options));
+        let mut processes = Vec::new();
+        for block in project.processes.iter().chain(&project.outputs) {
+            processes.extend(errors.absorb(registry.build_process(block, &project.root, &options)));
+        }
+        let mut modelers = Vec::new();
+        for block in &project.modelers {
+            modelers.extend(errors.absorb(registry.build_modeler(block, &project.root, &options)));
+        }
+        let Some(mut solver) = errors.or(solver)? else {
+            return Err(InputErrors::default());
+        };
+
+        let mut model = Model::default();
+        for modeler in &mut modelers {
+            modeler.setup_geometry(&mut model, registry)?;
+        }
+        for modeler in &mut modelers {
+            modeler.setup_model_part(&mut model, registry)?;
+        }
+        solver.import(&mut model, registry)?;
+        let mut errors = InputErrors::default();
+        for process in &mut processes {
+            errors.absorb(process.connect(&mut model));
+        }
+        errors.or(())?;
+        let mut requirements = Requirements { record, ..Requirements::default() };
+        for process in &processes {
+            process.require(&mut requirements);
+        }
+        solver.initialize(&mut model, &requirements)?;
+        let start = project.problem.number("start_time");
+        let clock = Clock { start, time: start, end: project.problem.number("end_time"), ..Clock::default() };
+        let first_output = project.processes.len();
+        let warnings = project.warnings;
+        Ok(Self { model, solver, processes, first_output, clock, options, warnings, stages: Vec::new() })
+    }
+
+    /// What the scene consists of.
+    pub fn inventory(&self) -> Inventory {
+        let mut inventory = self.solver.inventory(&self.model);
+        inventory.warnings.splice(0..0, self.warnings.iter().cloned());
+        inventory
+    }
+
+    /// The solver.
+    pub fn solver(&self) -> &dyn Solver {
+        self.solver.as_ref()
+    }
+
+    /// Steps that the run will take, if the step depends on nothing but the time.
+    pub fn planned_steps(&mut self) -> Option<usize> {
+        const MOST: usize = 50_000_000;
+        let mut clock = self.clock;
+        while clock.time < clock.end {
+            let step = self.solver.time_step(&self.model, &clock).ok()?;
+            clock = Clock { step: clock.step + 1, time: clock.time + step, time_step: step, ..clock };
+            if step <= 0.0 || clock.step > MOST {
+                return None;
+            }
+        }
+        Some(clock.step)
+    }
+
+    /// Runs to the end.
+    ///
+    /// # Errors
+    /// A numerical failure (after saving the state), or a file that cannot be written.
+    pub fn run(&mut self, observer: &mut dyn Observer, record: Option<RecordPlan>) -> Result<Account, Error> {
+        let planned = self.planned_steps();
+        let mut recorder = record.map(|plan| Recorder::new(plan, planned.unwrap_or(0)));
+        let mut account = Account::start();
+        match self.run_loop(observer, planned, &mut recorder, &mut account) {
+            Ok(()) => {}
+            Err(Error::Failure(mut failure)) => {
+                failure.step = self.clock.step;
+                failure.time = self.clock.time;
+                if let Ok(files) = self.solver.save_state(&self.model, &self.options.output) {
+                    let names: Vec<String> = files.iter().map(|f| f.display().to_string()).collect();
+                    failure.details.push(format!("the state was saved to {}", names.join(", ")));
+                }
+                return Err(Error::Failure(failure));
+            }
+            Err(other) => return Err(other),
+        }
+        account.steps = self.clock.step;
+        account.end_time = self.clock.time;
+        account.stages = std::mem::take(&mut self.stages);
+        account.stages.splice(1..2, self.solver.stages());
+        account.energies = self.solver.energies(&self.model);
+        account.files = self.processes.iter().flat_map(|p| p.files()).collect();
+        if let Some(recorder) = recorder {
+            recorder.write(&account, self.solver.account(&self.model))?;
+        }
+        Ok(account)
+    }
+
+    fn run_loop(
+        &mut self,
+        observer: &mut dyn Observer,
+        planned: Option<usize>,
+        recorder: &mut Option<Recorder>,
+        account: &mut Account,
+    ) -> Result<(), Error> {
+        self.stages = vec![("processes", Duration::ZERO), ("solver", Duration::ZERO), ("output", Duration::ZERO)];
+        self.all(0, |process, context| process.execute_initialize(context))?;
+        self.all(0, |process, context| process.execute_before_solution_loop(context))?;
+        if let Some(recorder) = recorder {
+            recorder.observe(&self.clock, self.solver.as_ref(), &self.model);
+        }
+        account.start_loop();
+        while self.clock.time < self.clock.end {
+            let step = self.solver.time_step(&self.model, &self.clock)?;
+            self.clock.step += 1;
+            self.clock.time_step = step;
+            self.clock.time += step;
+            self.all(0, |process, context| process.execute_initialize_solution_step(context))?;
+            let begin = Instant::now();
+            let mut context = Context { model: &mut self.model, clock: &self.clock, options: &self.options };
+            self.solver.predict(&mut context)?;
+            let report = self.solver.solve_solution_step(&mut context)?;
+            self.solver.finalize_solution_step(&mut context)?;
+            self.stages[1].1 += begin.elapsed();
+            self.all(0, |process, context| process.execute_finalize_solution_step(context))?;
+            self.print()?;
+            account.step(&self.clock, &report);
+            if let Some(recorder) = recorder {
+                recorder.observe(&self.clock, self.solver.as_ref(), &self.model);
+            }
+            observer.step(&self.clock, planned, &report);
+        }
+        account.end_loop();
+        self.all(0, |process, context| process.execute_finalize(context))
+    }
+
+    /// Calls a hook of all processes from `first` on.
+    fn all(
+        &mut self,
+        stage: usize,
+        hook: impl Fn(&mut dyn Process, &mut Context) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        let begin = Instant::now();
+        let mut context = Context { model: &mut self.model, clock: &self.clock, options: &self.options };
+        for process in &mut self.processes {
+            hook(process.as_mut(), &mut context)?;
+        }
+        self.stages[stage].1 += begin.elapsed();
+        Ok(())
+    }
+
+    /// Lets the output processes print whose time has come.
+    fn print(&mut self) -> Result<(), Error> {
+        for i in self.first_output..self.processes.len() {
+            let begin = Instant::now();
+            let context = Context { model: &mut self.model, clock: &self.clock, options: &self.options };
+            if !self.processes[i].is_output_step(&context) {
+                continue;
+            }
+            self.all(2, |process, context| process.execute_before_output_step(context))?;
+            let mut context = Context { model: &mut self.model, clock: &self.clock, options: &self.options };
+            self.processes[i].print_output(&mut context)?;
+            self.stages[2].1 += begin.elapsed();
+            self.all(2, |process, context| process.execute_after_output_step(context))?;
+        }
+        Ok(())
+    }
+}

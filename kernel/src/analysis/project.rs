@@ -1,0 +1,167 @@
+//! The layout of `ProjectParameters.json`: which blocks there are and in which order they act.
+
+use crate::diagnostic::{InputErrors, nearest};
+use crate::parameters::{Key, Kind, Parameters, Range, Settings};
+
+const PROBLEM_DATA: &[Key] = &[
+    Key::new("problem_name", Kind::Text, "\"problem\"", "name of the problem"),
+    Key::new("parallel_type", Kind::Choice(&["OpenMP"]), "\"OpenMP\"", "threads of one machine"),
+    Key::new("echo_level", Kind::Integer { min: 0 }, "0", "how much is reported"),
+    Key::new("start_time", Kind::Number(Range::ANY), "0.0", "first time [s]"),
+    Key::required("end_time", Kind::Number(Range::ANY), "the loop runs while the time is below this one [s]"),
+];
+
+/// Lists of processes at the root, as projects before 2019 have them, in the order in which they act.
+const LEGACY_LISTS: &[&str] = &["constraints_process_list", "loads_process_list", "list_other_processes", "gravity"];
+/// Other members of the root that are read.
+const MEMBERS: &[&str] =
+    &["problem_data", "solver_settings", "modelers", "analysis_stage", "processes", "output_processes", "kratos_exact"];
+/// Members that Kratos projects carry and that change nothing here.
+const WITHOUT_EFFECT: &[&str] = &[
+    "grid_output_configuration",
+    "body_output_configuration",
+    "print_output_process",
+    "json_output_process",
+    "json_check_process",
+    "restart_options",
+    "output_configuration",
+    "_comment",
+];
+
+/// A project, taken apart but not yet built.
+pub struct Project {
+    /// The whole file.
+    pub root: Parameters,
+    /// `problem_data`.
+    pub problem: Settings,
+    /// `solver_settings`.
+    pub solver: Parameters,
+    /// Blocks of modelers.
+    pub modelers: Vec<Parameters>,
+    /// Blocks of processes in the order in which they act.
+    pub processes: Vec<Parameters>,
+    /// Blocks of output processes in the order in which they act, after the others.
+    pub outputs: Vec<Parameters>,
+    /// The project itself asks to reproduce Kratos.
+    pub kratos_exact: bool,
+    /// What is legal but has no effect.
+    pub warnings: Vec<String>,
+}
+
+impl Project {
+    /// Takes a project apart.
+    ///
+    /// # Errors
+    /// Missing or wrong members, all together.
+    pub fn read(root: Parameters) -> Result<Self, InputErrors> {
+        let mut errors = InputErrors::default();
+        if !root.value().is_object() {
+            return Err(root.error("a project must be a JSON object").into());
+        }
+        let warnings = check_members(&root, &mut errors);
+        let mut member = |name: &str| {
+            let child = root.child(name);
+            if child.is_none() {
+                errors.push(root.error(format!("{name:?} is missing")));
+            }
+            child
+        };
+        let (problem, solver) = (member("problem_data"), member("solver_settings"));
+        let problem = problem.and_then(|p| errors.absorb(p.read(PROBLEM_DATA)));
+        let modelers = root.child("modelers").map_or(Vec::new(), |list| list.entries());
+        let (processes, outputs) = process_blocks(&root, &mut errors);
+        let kratos_exact = root.child("kratos_exact").and_then(|v| v.value().as_bool()).unwrap_or(false);
+        match (problem, solver) {
+            (Some(problem), Some(solver)) => {
+                errors.or(Self { root: root.clone(), problem, solver, modelers, processes, outputs, kratos_exact, warnings })
+            }
+            _ => Err(errors),
+        }
+    }
+}
+
+/// Refuses members that look like a slip of a known one; strangers are only named.
+fn check_members(root: &Parameters, errors: &mut InputErrors) -> Vec<String> {
+    let known: Vec<&str> = MEMBERS.iter().chain(LEGACY_LISTS).chain(WITHOUT_EFFECT).copied().collect();
+    let mut warnings = Vec::new();
+    for (name, value) in root.members() {
+        if known.contains(&name.as_str()) {
+            if WITHOUT_EFFECT.contains(&name.as_str()) {
+                warnings.push(value.warning(format!("{name:?} has no effect in Bia")).to_string());
+            }
+        } else if nearest(&name, known.iter().copied()).is_some() {
+            errors.push(value.error(format!("the key {name:?} is unknown")).allowed(&name, known.iter().copied()));
+        } else {
+            warnings.push(value.warning(format!("{name:?} is unknown and has no effect")).to_string());
+        }
+    }
+    warnings
+}
+
+/// Process blocks in Kratos's order: JSON objects are visited in the alphabetical order of their
+/// keys, each list in its own order; the old lists at the root come in a fixed order.
+fn process_blocks(root: &Parameters, errors: &mut InputErrors) -> (Vec<Parameters>, Vec<Parameters>) {
+    let mut blocks = |name: &str| {
+        let mut list = Vec::new();
+        if let Some(group) = root.child(name) {
+            if !group.value().is_object() {
+                errors.push(group.error("must be an object of lists of processes"));
+            }
+            for (key, entry) in group.members() {
+                if entry.value().is_array() {
+                    list.extend(entry.entries());
+                } else {
+                    errors.push(entry.error(format!("{key:?} must be a list of processes")));
+                }
+            }
+        }
+        list
+    };
+    let (mut processes, outputs) = (blocks("processes"), blocks("output_processes"));
+    let legacy: Vec<Parameters> = LEGACY_LISTS.iter().filter_map(|name| root.child(name)).collect();
+    if let Some(first) = legacy.first() {
+        if processes.is_empty() {
+            processes = legacy.iter().flat_map(Parameters::entries).collect();
+        } else if legacy.iter().any(|list| !list.entries().is_empty()) {
+            errors.push(first.error("lists of processes at the root cannot stand beside \"processes\""));
+        }
+    }
+    (processes, outputs)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parameters::Document;
+    use std::path::Path;
+
+    fn read(text: &str) -> Result<Project, InputErrors> {
+        Project::read(Parameters::root(Document::parse(Path::new("p.json"), text.into())?))
+    }
+
+    #[test]
+    fn lists_act_in_alphabetical_order() {
+        let text = r#"{"problem_data": {"end_time": 1}, "solver_settings": {},
+            "processes": {"loads": [3], "gravity": [1, 2]}, "output_processes": {"b": [5], "a": [4]}}"#;
+        let project = read(text).unwrap();
+        let values = |list: &[Parameters]| list.iter().map(|p| p.value().as_i64().unwrap()).collect::<Vec<_>>();
+        assert_eq!((values(&project.processes), values(&project.outputs)), (vec![1, 2, 3], vec![4, 5]));
+    }
+
+    #[test]
+    fn old_lists_act_in_their_own_order_and_cannot_be_mixed() {
+        let text = r#"{"problem_data": {"end_time": 1}, "solver_settings": {}, "gravity": [2], "loads_process_list": [1]}"#;
+        assert_eq!(read(text).unwrap().processes[0].value(), 1);
+        let mixed = text.replace("\"gravity\"", "\"processes\": {\"a\": [3]}, \"gravity\"");
+        assert!(read(&mixed).err().unwrap().to_string().contains("beside"));
+    }
+
+    #[test]
+    fn slips_are_errors_and_strangers_are_warnings() {
+        let text = r#"{"problem_data": {"end_time": 1}, "solver_setings": {}, "something_else": 1}"#;
+        let message = read(text).err().unwrap().to_string();
+        assert!(message.contains("did you mean \"solver_settings\""), "{message}");
+        let text = r#"{"problem_data": {"end_time": 1}, "solver_settings": {}, "something_else": 1}"#;
+        assert_eq!(read(text).unwrap().warnings.len(), 1);
+    }
+}

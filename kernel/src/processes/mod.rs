@@ -1,0 +1,160 @@
+//! Processes: what a scene does beside solving, driven by the hooks of the analysis.
+
+pub mod assign;
+mod value;
+
+pub use value::{Interval, SpaceTimeValue};
+
+use crate::error::Error;
+use crate::diagnostic::InputErrors;
+use crate::model::Model;
+use crate::parameters::Parameters;
+use std::path::PathBuf;
+
+/// Step and time of the analysis.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Clock {
+    /// Steps done or being done; 0 before the loop.
+    pub step: usize,
+    /// Time at the end of the step, in seconds.
+    pub time: f64,
+    /// Size of the step, in seconds.
+    pub time_step: f64,
+    /// First time, in seconds.
+    pub start: f64,
+    /// The loop runs while the time is below this one, in seconds.
+    pub end: f64,
+}
+
+/// Choices of a run that do not stand in the project.
+#[derive(Debug, Clone, Default)]
+pub struct RunOptions {
+    /// Folder of the project file: input files are sought there.
+    pub folder: PathBuf,
+    /// Folder for results.
+    pub output: PathBuf,
+    /// Reproduce Kratos 10.4.4 to round-off, its faults included.
+    pub kratos_exact: bool,
+}
+
+/// What a hook may see and change.
+pub struct Context<'a> {
+    /// The model.
+    pub model: &'a mut Model,
+    /// Step and time.
+    pub clock: &'a Clock,
+    /// Choices of the run.
+    pub options: &'a RunOptions,
+}
+
+/// Where a wanted variable lives.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Location {
+    /// On material points (or the solver's own points).
+    Points,
+    /// On the conditions of the points' part.
+    PointConditions,
+    /// On grid nodes.
+    Nodes,
+}
+
+/// A variable that a process will read, with the place of the JSON that asks for it.
+#[derive(Debug, Clone)]
+pub struct Wanted {
+    /// Where.
+    pub location: Location,
+    /// Its name.
+    pub variable: String,
+    /// Who asks.
+    pub place: Parameters,
+}
+
+/// All that the processes of a scene will read. Solvers allocate this and nothing else.
+#[derive(Debug, Clone, Default)]
+pub struct Requirements {
+    /// Variables.
+    pub variables: Vec<Wanted>,
+    /// Kinetic, strain and potential energy.
+    pub energies: bool,
+    /// Everything that the account of a run (`--record`) holds.
+    pub record: bool,
+}
+
+impl Requirements {
+    /// True when a variable is wanted at a location.
+    pub fn wants(&self, location: Location, variable: &str) -> bool {
+        self.variables.iter().any(|w| w.location == location && w.variable == variable)
+    }
+}
+
+/// A process. Every hook does nothing by default; the analysis calls them in Kratos's order.
+#[allow(unused_variables)]
+pub trait Process: Send {
+    /// Name for messages and timings.
+    fn name(&self) -> &str;
+
+    /// Resolves the names of model parts once the meshes are read; may mark entities for the
+    /// solver's set-up.
+    ///
+    /// # Errors
+    /// Names that do not exist, entities that do not fit: all together.
+    fn connect(&mut self, model: &mut Model) -> Result<(), InputErrors> {
+        Ok(())
+    }
+
+    /// Names the variables that the process will read.
+    fn require(&self, requirements: &mut Requirements) {}
+
+    /// Before the solver is initialised.
+    ///
+    /// # Errors
+    /// Whatever stops the run; likewise for all hooks below.
+    fn execute_initialize(&mut self, context: &mut Context) -> Result<(), Error> {
+        Ok(())
+    }
+
+    /// Once, after the solver is initialised.
+    fn execute_before_solution_loop(&mut self, context: &mut Context) -> Result<(), Error> {
+        Ok(())
+    }
+
+    /// At the start of each step, before the search.
+    fn execute_initialize_solution_step(&mut self, context: &mut Context) -> Result<(), Error> {
+        Ok(())
+    }
+
+    /// At the end of each step.
+    fn execute_finalize_solution_step(&mut self, context: &mut Context) -> Result<(), Error> {
+        Ok(())
+    }
+
+    /// Before any output of a step.
+    fn execute_before_output_step(&mut self, context: &mut Context) -> Result<(), Error> {
+        Ok(())
+    }
+
+    /// After all output of a step.
+    fn execute_after_output_step(&mut self, context: &mut Context) -> Result<(), Error> {
+        Ok(())
+    }
+
+    /// After the loop.
+    fn execute_finalize(&mut self, context: &mut Context) -> Result<(), Error> {
+        Ok(())
+    }
+
+    /// Whether an output process prints now; other processes never do.
+    fn is_output_step(&mut self, context: &Context) -> bool {
+        false
+    }
+
+    /// Prints.
+    fn print_output(&mut self, context: &mut Context) -> Result<(), Error> {
+        Ok(())
+    }
+
+    /// Files written so far, for the summary.
+    fn files(&self) -> Vec<PathBuf> {
+        Vec::new()
+    }
+}

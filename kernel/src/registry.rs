@@ -1,0 +1,289 @@
+//! The registry: every component an input file can name. Applications add theirs explicitly, one
+//! line each; nothing registers itself.
+
+use crate::diagnostic::{Diagnostic, InputErrors};
+use crate::geometry::Shape;
+use crate::io::mdpa::{Category, CellNames};
+use crate::model::Model;
+use crate::parameters::{Key, Parameters, Settings};
+use crate::processes::{Process, RunOptions};
+use crate::solving::solver::Solver;
+use crate::variables::{Rank, Variable};
+use std::any::{Any, TypeId};
+use std::collections::HashMap;
+
+/// What a component is built from.
+pub struct Building<'a> {
+    /// Its checked settings.
+    pub settings: Settings,
+    /// All components, for names that the settings mention.
+    pub registry: &'a Registry,
+    /// Choices of the run.
+    pub options: &'a RunOptions,
+    /// The whole project, for the few components that look beside their own settings.
+    pub project: &'a Parameters,
+}
+
+/// A process and how to build it.
+#[derive(Clone, Copy)]
+pub struct ProcessEntry {
+    /// Its `python_module`.
+    pub name: &'static str,
+    /// Older names.
+    pub aliases: &'static [&'static str],
+    /// The application it belongs to; none for the kernel.
+    pub application: Option<&'static str>,
+    /// Keys of its `Parameters`.
+    pub keys: &'static [Key],
+    /// What it does.
+    pub help: &'static str,
+    /// Builds it.
+    pub build: fn(Building) -> Result<Box<dyn Process>, InputErrors>,
+}
+
+/// Makes or changes model parts before the solver sees them.
+pub trait Modeler: Send {
+    /// Creates model parts and reads or makes their meshes.
+    ///
+    /// # Errors
+    /// Faults of the input, all together.
+    fn setup_geometry(&mut self, model: &mut Model, registry: &Registry) -> Result<(), InputErrors>;
+
+    /// Turns geometries into elements and conditions.
+    ///
+    /// # Errors
+    /// Faults of the input, all together.
+    #[allow(unused_variables)]
+    fn setup_model_part(&mut self, model: &mut Model, registry: &Registry) -> Result<(), InputErrors> {
+        Ok(())
+    }
+}
+
+/// A modeler and how to build it.
+#[derive(Clone, Copy)]
+pub struct ModelerEntry {
+    /// Its name; leading module names are ignored in the input.
+    pub name: &'static str,
+    /// Keys of its `parameters`.
+    pub keys: &'static [Key],
+    /// What it does.
+    pub help: &'static str,
+    /// Builds it.
+    pub build: fn(Building) -> Result<Box<dyn Modeler>, InputErrors>,
+}
+
+/// A solver and how to build it.
+#[derive(Clone, Copy)]
+pub struct SolverEntry {
+    /// Values of `solver_type` that choose it (compared without regard to case, `-` and `_`).
+    pub types: &'static [&'static str],
+    /// What it does.
+    pub help: &'static str,
+    /// Builds it from `solver_settings`.
+    pub build: fn(&Parameters, &Registry, &RunOptions) -> Result<Box<dyn Solver>, InputErrors>,
+}
+
+/// All components.
+#[derive(Default)]
+pub struct Registry {
+    variables: Vec<Variable>,
+    cells: Vec<(Category, &'static str, Shape)>,
+    processes: Vec<ProcessEntry>,
+    modelers: Vec<ModelerEntry>,
+    solvers: Vec<SolverEntry>,
+    catalogues: HashMap<TypeId, Box<dyn Any + Send + Sync>>,
+}
+
+impl Registry {
+    /// A registry with the kernel's own components.
+    pub fn with_kernel() -> Self {
+        let mut registry = Self::default();
+        crate::processes::assign::register(&mut registry);
+        crate::modelers::register(&mut registry);
+        registry
+    }
+
+    /// Adds a variable; a name that is there already is kept.
+    pub fn variable(&mut self, variable: Variable) {
+        if !self.variables.iter().any(|v| v.name == variable.name) {
+            self.variables.push(variable);
+        }
+    }
+
+    /// Adds an element or condition name with its shape.
+    pub fn cell(&mut self, category: Category, name: &'static str, shape: Shape) {
+        self.cells.push((category, name, shape));
+    }
+
+    /// Adds a process.
+    pub fn process(&mut self, entry: ProcessEntry) {
+        self.processes.push(entry);
+    }
+
+    /// Adds a modeler.
+    pub fn modeler(&mut self, entry: ModelerEntry) {
+        self.modelers.push(entry);
+    }
+
+    /// Adds a solver.
+    pub fn solver(&mut self, entry: SolverEntry) {
+        self.solvers.push(entry);
+    }
+
+    /// An application's own list of components, such as its constitutive laws; made empty at first.
+    pub fn catalogue_mut<T: Any + Default + Send + Sync>(&mut self) -> &mut T {
+        let entry = self.catalogues.entry(TypeId::of::<T>()).or_insert_with(|| Box::new(T::default()));
+        match entry.downcast_mut() {
+            Some(catalogue) => catalogue,
+            None => unreachable!("catalogues are stored under their own type"),
+        }
+    }
+
+    /// An application's own list of components, if it has one.
+    pub fn catalogue<T: Any>(&self) -> Option<&T> {
+        self.catalogues.get(&TypeId::of::<T>()).and_then(|catalogue| catalogue.downcast_ref())
+    }
+
+    /// All variables.
+    pub fn variables(&self) -> &[Variable] {
+        &self.variables
+    }
+
+    /// All processes.
+    pub fn processes(&self) -> &[ProcessEntry] {
+        &self.processes
+    }
+
+    /// All modelers.
+    pub fn modelers(&self) -> &[ModelerEntry] {
+        &self.modelers
+    }
+
+    /// All solvers.
+    pub fn solvers(&self) -> &[SolverEntry] {
+        &self.solvers
+    }
+
+    /// The variable of this name.
+    pub fn find_variable(&self, name: &str) -> Option<Variable> {
+        self.variables.iter().find(|v| v.name == name).copied()
+    }
+
+    /// The variable that `settings[key]` names, with the component if the name ends in _X, _Y or _Z.
+    ///
+    /// # Errors
+    /// An unknown name, or a variable of another rank.
+    pub fn variable_of(
+        &self,
+        settings: &Settings,
+        key: &str,
+        rank: Rank,
+    ) -> Result<(Variable, Option<usize>), InputErrors> {
+        let name = settings.text(key);
+        let component = ["_X", "_Y", "_Z"].iter().position(|suffix| name.ends_with(suffix));
+        let fits = |v: &Variable| v.rank == rank;
+        match (self.find_variable(name), component) {
+            (Some(variable), _) if fits(&variable) => Ok((variable, None)),
+            (Some(variable), _) => {
+                let message = format!("{name:?} is a {}, must be a {}", rank_name(variable.rank), rank_name(rank));
+                let names = self.variables.iter().filter(|v| fits(v)).map(|v| v.name);
+                Err(settings.error(key, message).help(format!("fitting: {}", names.collect::<Vec<_>>().join(", "))).into())
+            }
+            (None, Some(component)) if rank == Rank::Scalar => match self.find_variable(&name[..name.len() - 2]) {
+                Some(variable) if variable.rank == Rank::Vector => Ok((variable, Some(component))),
+                _ => Err(self.unknown_variable(settings.error(key, format!("the variable {name:?} is unknown")), name)),
+            },
+            _ => Err(self.unknown_variable(settings.error(key, format!("the variable {name:?} is unknown")), name)),
+        }
+    }
+
+    /// Adds the nearest variable name to a diagnostic.
+    pub fn unknown_variable(&self, diagnostic: Diagnostic, name: &str) -> InputErrors {
+        diagnostic.allowed(name, self.variables.iter().map(|v| v.name)).into()
+    }
+
+    /// The process of a block: `{"python_module": …, "kratos_module": …, "Parameters": {…}}`.
+    ///
+    /// # Errors
+    /// An unknown module, or faults of its parameters.
+    pub fn build_process(
+        &self,
+        block: &Parameters,
+        project: &Parameters,
+        options: &RunOptions,
+    ) -> Result<Box<dyn Process>, InputErrors> {
+        let name = block.text("python_module")?;
+        let last = name.rsplit('.').next().unwrap_or(&name);
+        let Some(entry) = self.processes.iter().find(|e| e.name == last || e.aliases.contains(&last)) else {
+            let place = block.child("python_module").unwrap_or_else(|| block.clone());
+            let message = format!("there is no process {name:?}");
+            return Err(place.error(message).allowed(last, self.processes.iter().map(|e| e.name)).into());
+        };
+        let Some(parameters) = block.child("Parameters") else {
+            return Err(block.error("the key \"Parameters\" is missing").into());
+        };
+        let settings = parameters.read(entry.keys)?;
+        (entry.build)(Building { settings, registry: self, options, project })
+    }
+
+    /// The modeler of a block, in the new (`name`, `parameters`) or old (`modeler_name`,
+    /// `Parameters`) form.
+    ///
+    /// # Errors
+    /// An unknown name, or faults of its parameters.
+    pub fn build_modeler(
+        &self,
+        block: &Parameters,
+        project: &Parameters,
+        options: &RunOptions,
+    ) -> Result<Box<dyn Modeler>, InputErrors> {
+        let key = if block.child("name").is_some() { "name" } else { "modeler_name" };
+        let name = block.text(key)?;
+        let last = name.rsplit('.').next().unwrap_or(&name);
+        let Some(entry) = self.modelers.iter().find(|e| e.name == last) else {
+            let place = block.child(key).unwrap_or_else(|| block.clone());
+            let message = format!("there is no modeler {name:?}");
+            return Err(place.error(message).allowed(last, self.modelers.iter().map(|e| e.name)).into());
+        };
+        let Some(parameters) = block.child("parameters").or_else(|| block.child("Parameters")) else {
+            return Err(block.error("the key \"parameters\" is missing").into());
+        };
+        let settings = parameters.read(entry.keys)?;
+        (entry.build)(Building { settings, registry: self, options, project })
+    }
+
+    /// The solver that `solver_settings.solver_type` names.
+    ///
+    /// # Errors
+    /// An unknown type, or faults of the settings.
+    pub fn build_solver(&self, settings: &Parameters, options: &RunOptions) -> Result<Box<dyn Solver>, InputErrors> {
+        let plain = |text: &str| text.to_lowercase().replace(['-', ' '], "_");
+        let name = settings.text("solver_type")?;
+        match self.solvers.iter().find(|e| e.types.iter().any(|t| plain(t) == plain(&name))) {
+            Some(entry) => (entry.build)(settings, self, options),
+            None => {
+                let place = settings.child("solver_type").unwrap_or_else(|| settings.clone());
+                let names = self.solvers.iter().flat_map(|e| e.types.iter().copied());
+                Err(place.error(format!("there is no solver type {name:?}")).allowed(&name, names).into())
+            }
+        }
+    }
+}
+
+impl CellNames for Registry {
+    fn shape(&self, category: Category, name: &str) -> Option<Shape> {
+        self.cells.iter().find(|(c, n, _)| *c == category && *n == name).map(|(_, _, shape)| *shape)
+    }
+
+    fn names(&self, category: Category) -> Vec<String> {
+        self.cells.iter().filter(|(c, _, _)| *c == category).map(|(_, name, _)| (*name).to_string()).collect()
+    }
+}
+
+fn rank_name(rank: Rank) -> &'static str {
+    match rank {
+        Rank::Scalar => "scalar",
+        Rank::Vector => "vector",
+        Rank::Voigt => "symmetric tensor",
+    }
+}

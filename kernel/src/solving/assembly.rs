@@ -1,0 +1,182 @@
+//! Assembly of cell matrices and vectors into a block-sparse system whose pattern is kept.
+//!
+//! Cells are computed in parallel, a batch at a time, and added one after the other in their
+//! order: the sums have the same bits for every number of threads.
+
+use bia_linalg::{BlockMatrix, BlockPattern};
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// Cells computed together before they are added: enough to keep threads busy, few enough for the
+/// second-level cache.
+const BATCH: usize = 64;
+
+/// Matrix and right-hand side with the places of each cell's blocks.
+pub struct System {
+    /// The tangent.
+    pub matrix: BlockMatrix,
+    /// The residual (external minus internal forces).
+    pub rhs: Vec<f64>,
+    cells: Vec<u32>,
+    starts: Vec<u32>,
+    places: Vec<u32>,
+    place_starts: Vec<usize>,
+    buffers: Vec<CellBuffer>,
+}
+
+/// A cell's own matrix and vector.
+#[derive(Debug, Clone, Default)]
+pub struct CellBuffer {
+    /// Row-major, (nodes × block)².
+    pub matrix: Vec<f64>,
+    /// nodes × block.
+    pub vector: Vec<f64>,
+}
+
+impl System {
+    /// The system that couples the dof numbers of each cell's nodes. `cells` holds them cell after
+    /// cell, `starts` the start of each cell (one more entry than cells).
+    pub fn new(block: usize, rows: usize, cells: Vec<u32>, starts: Vec<u32>) -> Self {
+        let cliques = starts.windows(2).map(|range| &cells[range[0] as usize..range[1] as usize]);
+        let pattern = BlockPattern::from_cliques(block, rows, cliques.clone());
+        let (mut places, mut place_starts) = (Vec::new(), vec![0]);
+        for clique in cliques {
+            for &row in clique {
+                for &column in clique {
+                    // Every pair of a clique is in the pattern that was made of the cliques.
+                    places.push(pattern.position(row as usize, column as usize).unwrap_or(u32::MAX));
+                }
+            }
+            place_starts.push(places.len());
+        }
+        let pattern = Arc::new(pattern);
+        let rhs = vec![0.0; block * rows];
+        Self { matrix: BlockMatrix::new(pattern), rhs, cells, starts, places, place_starts, buffers: Vec::new() }
+    }
+
+    /// True when the system was made for these cells.
+    pub fn fits(&self, cells: &[u32], starts: &[u32]) -> bool {
+        self.cells == cells && self.starts == starts
+    }
+
+    /// Sets the right-hand side, and the matrix if wanted, to zero.
+    pub fn clear(&mut self, with_matrix: bool) {
+        self.rhs.fill(0.0);
+        if with_matrix {
+            self.matrix.clear();
+        }
+    }
+
+    /// Adds all cells. `compute(cell, buffer)` fills the buffer's vector, and its matrix if
+    /// `with_matrix`; both come zeroed.
+    ///
+    /// # Errors
+    /// The error of the first cell, in their order, that fails.
+    pub fn add_cells<E: Send>(
+        &mut self,
+        with_matrix: bool,
+        compute: impl Fn(usize, &mut CellBuffer) -> Result<(), E> + Sync,
+    ) -> Result<(), E> {
+        let block = self.matrix.pattern.block();
+        let count = self.starts.len() - 1;
+        let mut buffers = std::mem::take(&mut self.buffers);
+        buffers.resize_with(BATCH.min(count), CellBuffer::default);
+        for first in (0..count).step_by(BATCH) {
+            let batch = &mut buffers[..BATCH.min(count - first)];
+            let results: Vec<Result<(), E>> = batch
+                .par_iter_mut()
+                .enumerate()
+                .map(|(i, buffer)| {
+                    let cell = first + i;
+                    let size = block * (self.starts[cell + 1] - self.starts[cell]) as usize;
+                    buffer.vector.clear();
+                    buffer.vector.resize(size, 0.0);
+                    if with_matrix {
+                        buffer.matrix.clear();
+                        buffer.matrix.resize(size * size, 0.0);
+                    }
+                    compute(cell, buffer)
+                })
+                .collect();
+            results.into_iter().collect::<Result<(), E>>()?;
+            for (i, buffer) in batch.iter().enumerate() {
+                self.add_cell(first + i, buffer, with_matrix);
+            }
+        }
+        self.buffers = buffers;
+        Ok(())
+    }
+
+    fn add_cell(&mut self, cell: usize, buffer: &CellBuffer, with_matrix: bool) {
+        let block = self.matrix.pattern.block();
+        let nodes = &self.cells[self.starts[cell] as usize..self.starts[cell + 1] as usize];
+        for (i, &node) in nodes.iter().enumerate() {
+            for a in 0..block {
+                self.rhs[node as usize * block + a] += buffer.vector[i * block + a];
+            }
+        }
+        if !with_matrix {
+            return;
+        }
+        let size = nodes.len() * block;
+        let places = &self.places[self.place_starts[cell]..self.place_starts[cell + 1]];
+        for (pair, &place) in places.iter().enumerate() {
+            let (i, j) = (pair / nodes.len(), pair % nodes.len());
+            let target = &mut self.matrix.values[place as usize * block * block..][..block * block];
+            for a in 0..block {
+                let source = &buffer.matrix[(i * block + a) * size + j * block..][..block];
+                for b in 0..block {
+                    target[a * block + b] += source[b];
+                }
+            }
+        }
+    }
+
+    /// Adds to a diagonal entry of the matrix.
+    pub fn add_diagonal(&mut self, dof: usize, value: f64) {
+        let block = self.matrix.pattern.block();
+        if let Some(place) = self.matrix.pattern.position(dof / block, dof / block) {
+            self.matrix.values[place as usize * block * block + (dof % block) * (block + 1)] += value;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two bar elements 0-1 and 1-2 of stiffness 2 and 3.
+    fn bars(threads: usize) -> System {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let mut system = System::new(1, 3, vec![0, 1, 1, 2], vec![0, 2, 4]);
+            system.clear(true);
+            let compute = |cell: usize, buffer: &mut CellBuffer| {
+                let k = 2.0 + cell as f64;
+                buffer.matrix.copy_from_slice(&[k, -k, -k, k]);
+                buffer.vector.copy_from_slice(&[1.0, 10.0]);
+                Ok::<(), ()>(())
+            };
+            system.add_cells(true, compute).unwrap();
+            system
+        })
+    }
+
+    #[test]
+    fn cells_add_up() {
+        let mut system = bars(1);
+        assert_eq!(system.rhs, [1.0, 11.0, 10.0]);
+        system.add_diagonal(2, 7.0);
+        let mut y = vec![0.0; 3];
+        system.matrix.multiply(&[1.0, 2.0, 4.0], &mut y);
+        assert_eq!(y, [-2.0, 2.0 - 6.0, 6.0 + 28.0]);
+        assert_eq!(bars(2).matrix.values, bars(1).matrix.values);
+    }
+
+    #[test]
+    fn the_first_failing_cell_is_named() {
+        let mut system = bars(1);
+        let failed = system.add_cells(false, |cell, _| if cell == 1 { Err(cell) } else { Ok(()) });
+        assert_eq!(failed, Err(1));
+    }
+}

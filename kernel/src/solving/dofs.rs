@@ -1,0 +1,82 @@
+//! The unknowns: a block of dofs on each active node.
+
+/// Marks a node without dofs.
+const NONE: u32 = u32::MAX;
+
+/// Numbering of the active nodes, ascending, with `block` dofs each.
+#[derive(Debug, Clone, Default)]
+pub struct ActiveDofs {
+    block: usize,
+    nodes: Vec<u32>,
+    numbers: Vec<u32>,
+    fixed: Vec<bool>,
+}
+
+impl ActiveDofs {
+    /// Numbers the nodes for which `active` holds; nothing is fixed yet.
+    pub fn new(block: usize, active: &[bool]) -> Self {
+        let nodes: Vec<u32> = (0..active.len() as u32).filter(|&n| active[n as usize]).collect();
+        let mut numbers = vec![NONE; active.len()];
+        for (number, &node) in nodes.iter().enumerate() {
+            numbers[node as usize] = number as u32;
+        }
+        Self { block, fixed: vec![false; block * nodes.len()], nodes, numbers }
+    }
+
+    /// Dofs a node.
+    pub fn block(&self) -> usize {
+        self.block
+    }
+
+    /// Active nodes, ascending.
+    pub fn nodes(&self) -> &[u32] {
+        &self.nodes
+    }
+
+    /// Number of a node among the active ones.
+    pub fn number(&self, node: u32) -> Option<usize> {
+        match self.numbers.get(node as usize) {
+            Some(&number) if number != NONE => Some(number as usize),
+            _ => None,
+        }
+    }
+
+    /// All dofs, fixed ones too.
+    pub fn order(&self) -> usize {
+        self.fixed.len()
+    }
+
+    /// Dofs that are not fixed.
+    pub fn free(&self) -> usize {
+        self.fixed.iter().filter(|fixed| !**fixed).count()
+    }
+
+    /// Which dofs are fixed: entry `number * block + component`.
+    pub fn fixed(&self) -> &[bool] {
+        &self.fixed
+    }
+
+    /// Which dofs are fixed, to be changed.
+    pub fn fixed_mut(&mut self) -> &mut [bool] {
+        &mut self.fixed
+    }
+
+    /// The node index and component of a dof.
+    pub fn node_of(&self, dof: usize) -> (u32, usize) {
+        (self.nodes[dof / self.block], dof % self.block)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_active_nodes_are_numbered() {
+        let mut dofs = ActiveDofs::new(2, &[false, true, false, true]);
+        assert_eq!(dofs.nodes(), [1, 3]);
+        assert_eq!((dofs.number(3), dofs.number(2), dofs.number(9)), (Some(1), None, None));
+        dofs.fixed_mut()[2] = true;
+        assert_eq!((dofs.order(), dofs.free(), dofs.node_of(3)), (4, 3, (3, 1)));
+    }
+}

@@ -1,0 +1,18 @@
+//! Solving: time schemes, the dofs of active nodes, assembly, Newton's method and its criteria.
+//!
+//! Applications describe a nonlinear system ([`newton::NonlinearSystem`]); everything here is
+//! free of physics.
+
+pub mod assembly;
+pub mod criteria;
+pub mod dofs;
+pub mod linear;
+pub mod newton;
+pub mod scheme;
+pub mod solver;
+
+pub use assembly::{CellBuffer, System};
+pub use criteria::{Criterion, Tolerances};
+pub use dofs::ActiveDofs;
+pub use newton::{Newton, NonlinearSystem, StepReport};
+pub use scheme::Newmark;

@@ -1,0 +1,211 @@
+//! Newton's method on the dofs of active nodes.
+
+use super::criteria::free_norm;
+use super::{ActiveDofs, Criterion, System};
+use crate::error::{Error, Failure};
+use bia_linalg::{LinearError, LinearSolver};
+use std::time::{Duration, Instant};
+
+/// What an application solves: a residual and its tangent at the current unknowns.
+pub trait NonlinearSystem {
+    /// The dofs.
+    fn dofs(&self) -> &ActiveDofs;
+
+    /// Builds the residual in `system.rhs`, and the tangent (minus its derivative) in
+    /// `system.matrix` if `with_matrix`.
+    ///
+    /// # Errors
+    /// A numerical failure, such as an inverted deformation.
+    fn assemble(&mut self, system: &mut System, with_matrix: bool) -> Result<(), Error>;
+
+    /// Adds a correction to the unknowns and updates what depends on them.
+    fn correct(&mut self, correction: &[f64]);
+
+    /// The current unknowns, as the displacement criterion sees them.
+    fn unknowns(&self) -> &[f64];
+
+    /// Id and place of a dof, for messages.
+    fn describe_dof(&self, dof: usize) -> (String, [f64; 3]);
+}
+
+/// Settings of the method.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Newton {
+    /// Most iterations a step.
+    pub max_iterations: usize,
+    /// When to stop; none for a linear analysis of one solve a step.
+    pub criterion: Option<Criterion>,
+}
+
+/// How a step went.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct StepReport {
+    /// Newton iterations; 0 for a linear analysis.
+    pub iterations: usize,
+    /// Iterations of the linear solver, summed.
+    pub linear_iterations: usize,
+    /// False when the criterion was not met.
+    pub converged: bool,
+    /// Norm of the residual at the end, if it was built.
+    pub residual: f64,
+    /// Time spent on building.
+    pub assembly: Duration,
+    /// Time spent on linear systems.
+    pub linear: Duration,
+}
+
+impl Newton {
+    /// Solves one step from the predicted unknowns.
+    ///
+    /// # Errors
+    /// A failure of the application, or a singular or indefinite system, named by node and dof.
+    pub fn solve(
+        &self,
+        problem: &mut dyn NonlinearSystem,
+        system: &mut System,
+        solver: &mut dyn LinearSolver,
+    ) -> Result<StepReport, Error> {
+        let mut report = StepReport { converged: true, ..StepReport::default() };
+        let mut correction = vec![0.0; problem.dofs().order()];
+        let mut initial = None;
+        loop {
+            timed(&mut report.assembly, || problem.assemble(system, true))?;
+            let initial = *initial.get_or_insert_with(|| free_norm(problem.dofs(), &system.rhs));
+            if !initial.is_finite() {
+                return Err(not_finite(problem, &system.rhs).into());
+            }
+            system.matrix.constrain(problem.dofs().fixed(), &mut system.rhs);
+            correction.fill(0.0);
+            let solved = timed(&mut report.linear, || solver.solve(&system.matrix, &system.rhs, &mut correction));
+            let solved = solved.map_err(|error| describe(problem, &error))?;
+            report.linear_iterations += solved.iterations.unwrap_or(0);
+            problem.correct(&correction);
+            let Some(criterion) = &self.criterion else {
+                return Ok(report);
+            };
+            report.iterations += 1;
+            if criterion.needs_residual() {
+                timed(&mut report.assembly, || problem.assemble(system, false))?;
+                report.residual = free_norm(problem.dofs(), &system.rhs);
+                if !report.residual.is_finite() {
+                    return Err(not_finite(problem, &system.rhs).into());
+                }
+            }
+            report.converged = criterion.met(problem.dofs(), initial, &system.rhs, &correction, problem.unknowns());
+            if report.converged || report.iterations >= self.max_iterations {
+                return Ok(report);
+            }
+        }
+    }
+}
+
+fn timed<T>(total: &mut Duration, work: impl FnOnce() -> T) -> T {
+    let start = Instant::now();
+    let result = work();
+    *total += start.elapsed();
+    result
+}
+
+fn not_finite(problem: &dyn NonlinearSystem, rhs: &[f64]) -> Failure {
+    let failure = Failure::new(
+        "the residual is not finite",
+        "a smaller time step, or look at the material constants and loads near this place",
+    );
+    match rhs.iter().position(|x| !x.is_finite()) {
+        Some(dof) => {
+            let (name, position) = problem.describe_dof(dof);
+            failure.at(name, position)
+        }
+        None => failure,
+    }
+}
+
+fn describe(problem: &dyn NonlinearSystem, error: &LinearError) -> Failure {
+    let failure = Failure::new(
+        format!("the linear system cannot be solved: {error}"),
+        "fix enough displacements to hold each body, look for a body that touches the grid by a corner only, \
+         or choose another linear solver",
+    );
+    match error.dof() {
+        Some(dof) => {
+            let (name, position) = problem.describe_dof(dof);
+            failure.at(name, position)
+        }
+        None => failure,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::solving::{CellBuffer, Tolerances};
+    use bia_linalg::{Method, solver};
+
+    /// Solves u + u³ = f on each of two dofs, the second of which is fixed.
+    struct Cubic {
+        dofs: ActiveDofs,
+        u: Vec<f64>,
+        load: f64,
+        residuals: Vec<f64>,
+    }
+
+    impl NonlinearSystem for Cubic {
+        fn dofs(&self) -> &ActiveDofs {
+            &self.dofs
+        }
+        fn assemble(&mut self, system: &mut System, with_matrix: bool) -> Result<(), Error> {
+            system.clear(with_matrix);
+            let u = &self.u;
+            system.add_cells(with_matrix, |_, buffer: &mut CellBuffer| {
+                for i in 0..2 {
+                    buffer.vector[i] = self.load - u[i] - u[i].powi(3);
+                    if with_matrix {
+                        buffer.matrix[3 * i] = 1.0 + 3.0 * u[i] * u[i];
+                    }
+                }
+                Ok::<(), Error>(())
+            })?;
+            if !with_matrix {
+                self.residuals.push(system.rhs[0].abs());
+            }
+            Ok(())
+        }
+        fn correct(&mut self, correction: &[f64]) {
+            self.u.iter_mut().zip(correction).for_each(|(u, d)| *u += d);
+        }
+        fn unknowns(&self) -> &[f64] {
+            &self.u
+        }
+        fn describe_dof(&self, dof: usize) -> (String, [f64; 3]) {
+            (format!("dof {dof}"), [0.0; 3])
+        }
+    }
+
+    fn cubic(load: f64) -> (Cubic, System) {
+        let mut dofs = ActiveDofs::new(1, &[true, true]);
+        dofs.fixed_mut()[1] = true;
+        let system = System::new(1, 2, vec![0, 1], vec![0, 2]);
+        (Cubic { dofs, u: vec![0.0, 0.5], load, residuals: Vec::new() }, system)
+    }
+
+    #[test]
+    fn newton_converges_quadratically_and_keeps_fixed_dofs() {
+        let (mut problem, mut system) = cubic(10.0);
+        let tolerances = Tolerances { relative: 1e-14, absolute: 0.0 };
+        let newton = Newton { max_iterations: 20, criterion: Some(Criterion::Residual(tolerances)) };
+        let report = newton.solve(&mut problem, &mut system, solver(Method::Cholesky).as_mut()).unwrap();
+        assert!(report.converged && (problem.u[0] - 2.0).abs() < 1e-13, "{}", problem.u[0]);
+        assert_eq!(problem.u[1], 0.5);
+        let r = &problem.residuals;
+        let order = (r[r.len() - 2] / r[r.len() - 3]).ln() / (r[r.len() - 3] / r[r.len() - 4]).ln();
+        assert!(order > 1.7, "order {order} from {r:?}");
+    }
+
+    #[test]
+    fn infinite_loads_are_failures_with_a_place() {
+        let (mut problem, mut system) = cubic(f64::INFINITY);
+        let newton = Newton { max_iterations: 20, criterion: None };
+        let error = newton.solve(&mut problem, &mut system, solver(Method::Lu).as_mut()).unwrap_err();
+        assert!(error.to_string().contains("dof 0"), "{error}");
+    }
+}

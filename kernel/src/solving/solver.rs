@@ -1,0 +1,78 @@
+//! The solver of an application, as the analysis drives it.
+
+use super::StepReport;
+use crate::diagnostic::InputErrors;
+use crate::error::Error;
+use crate::model::Model;
+use crate::processes::{Clock, Context, Requirements};
+use crate::registry::Registry;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// What a scene consists of, for `bia check` and the summary of a run.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Inventory {
+    /// Lines of (what, how much), in the order to be shown.
+    pub lines: Vec<(String, String)>,
+    /// Suspicious but legal facts.
+    pub warnings: Vec<String>,
+}
+
+/// One instant of a run for the account that `--record` writes.
+#[derive(Debug, Clone, Default)]
+pub struct Snapshot(pub serde_json::Map<String, serde_json::Value>);
+
+/// An application's solver. The analysis calls these in Kratos's order (spec 01 §1.2).
+pub trait Solver: Send {
+    /// Reads meshes and materials into the model.
+    ///
+    /// # Errors
+    /// Faults of the input, all together.
+    fn import(&mut self, model: &mut Model, registry: &Registry) -> Result<(), InputErrors>;
+
+    /// Makes what the solver solves for (material points, say) and allocates what the processes
+    /// will read, and nothing else.
+    ///
+    /// # Errors
+    /// Faults of the input that show only now, such as a wanted variable that nobody provides.
+    fn initialize(&mut self, model: &mut Model, requirements: &Requirements) -> Result<(), InputErrors>;
+
+    /// Size of the step that begins at `clock.time`, in seconds.
+    ///
+    /// # Errors
+    /// A step that is not positive.
+    fn time_step(&mut self, model: &Model, clock: &Clock) -> Result<f64, Error>;
+
+    /// Search, reset of the grid, transfer to it, prediction.
+    ///
+    /// # Errors
+    /// A numerical failure; likewise below.
+    fn predict(&mut self, context: &mut Context) -> Result<(), Error>;
+
+    /// Solves the step.
+    fn solve_solution_step(&mut self, context: &mut Context) -> Result<StepReport, Error>;
+
+    /// Transfer from the grid, history.
+    fn finalize_solution_step(&mut self, context: &mut Context) -> Result<(), Error>;
+
+    /// What the scene consists of.
+    fn inventory(&self, model: &Model) -> Inventory;
+
+    /// Kinetic, strain and potential energy in joules, as far as they are known.
+    fn energies(&self, model: &Model) -> Vec<(&'static str, f64)>;
+
+    /// Fixed facts for the head of the account of a run (`n_mp`, `laws`, …).
+    fn account(&self, model: &Model) -> Snapshot;
+
+    /// The state for the account of a run.
+    fn snapshot(&self, model: &Model) -> Snapshot;
+
+    /// Time spent in the solver's own stages.
+    fn stages(&self) -> Vec<(&'static str, Duration)>;
+
+    /// Saves the state for ParaView after a failure and returns the files.
+    ///
+    /// # Errors
+    /// The folder cannot be written.
+    fn save_state(&self, model: &Model, folder: &Path) -> Result<Vec<PathBuf>, Error>;
+}

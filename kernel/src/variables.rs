@@ -1,0 +1,201 @@
+//! Typed variables and the columns that hold their values, allocated on demand.
+
+use std::collections::BTreeMap;
+
+/// How many numbers a value of a variable has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Rank {
+    /// One number.
+    Scalar,
+    /// Three numbers, also in the plane.
+    Vector,
+    /// As many as the stress of the scene: 3 in the plane, 4 axisymmetric, 6 in space.
+    Voigt,
+}
+
+/// A named quantity with its unit. Applications declare theirs as constants and register them.
+#[derive(Debug, Clone, Copy)]
+pub struct Variable {
+    /// Name in input and output files, Kratos's where Kratos has one.
+    pub name: &'static str,
+    /// Size of its values.
+    pub rank: Rank,
+    /// SI unit.
+    pub unit: &'static str,
+    /// Meaning.
+    pub help: &'static str,
+}
+
+impl Variable {
+    /// A scalar variable.
+    pub const fn scalar(name: &'static str, unit: &'static str, help: &'static str) -> Self {
+        Self { name, rank: Rank::Scalar, unit, help }
+    }
+
+    /// A vector variable.
+    pub const fn vector(name: &'static str, unit: &'static str, help: &'static str) -> Self {
+        Self { name, rank: Rank::Vector, unit, help }
+    }
+
+    /// A symmetric tensor in Voigt form.
+    pub const fn voigt(name: &'static str, unit: &'static str, help: &'static str) -> Self {
+        Self { name, rank: Rank::Voigt, unit, help }
+    }
+}
+
+/// Values of variables on the nodes or conditions of a model part. A variable that no component
+/// of the scene asks for has no column.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Fields {
+    scalars: BTreeMap<&'static str, Vec<f64>>,
+    vectors: BTreeMap<&'static str, Vec<[f64; 3]>>,
+    fixed: BTreeMap<&'static str, Vec<[bool; 3]>>,
+}
+
+impl Fields {
+    /// The column of a scalar, if it exists.
+    pub fn scalar(&self, variable: &Variable) -> Option<&[f64]> {
+        self.scalars.get(variable.name).map(Vec::as_slice)
+    }
+
+    /// The column of a vector, if it exists.
+    pub fn vector(&self, variable: &Variable) -> Option<&[[f64; 3]]> {
+        self.vectors.get(variable.name).map(Vec::as_slice)
+    }
+
+    /// The column of a scalar, made of zeros for `count` entities if it did not exist.
+    pub fn scalar_mut(&mut self, variable: &Variable, count: usize) -> &mut [f64] {
+        self.scalars.entry(variable.name).or_insert_with(|| vec![0.0; count])
+    }
+
+    /// The column of a vector, made of zeros for `count` entities if it did not exist.
+    pub fn vector_mut(&mut self, variable: &Variable, count: usize) -> &mut [[f64; 3]] {
+        self.vectors.entry(variable.name).or_insert_with(|| vec![[0.0; 3]; count])
+    }
+
+    /// Which components are fixed (a scalar uses the first), if any ever was.
+    pub fn fixed(&self, variable: &Variable) -> Option<&[[bool; 3]]> {
+        self.fixed.get(variable.name).map(Vec::as_slice)
+    }
+
+    /// Which components are fixed, to be changed.
+    pub fn fixed_mut(&mut self, variable: &Variable, count: usize) -> &mut [[bool; 3]] {
+        self.fixed.entry(variable.name).or_insert_with(|| vec![[false; 3]; count])
+    }
+
+    /// Names of the columns that exist and the bytes they take.
+    pub fn columns(&self) -> Vec<(&'static str, usize)> {
+        let scalars = self.scalars.iter().map(|(name, column)| (*name, 8 * column.len()));
+        let vectors = self.vectors.iter().map(|(name, column)| (*name, 24 * column.len()));
+        scalars.chain(vectors).collect()
+    }
+}
+
+/// One quantity of many points: `width` numbers a point, point after point. Width 0 means that
+/// nothing is stored.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Column {
+    width: usize,
+    values: Vec<f64>,
+}
+
+impl Column {
+    /// Zeros for `points` points.
+    pub fn new(width: usize, points: usize) -> Self {
+        Self { width, values: vec![0.0; width * points] }
+    }
+
+    /// Numbers a point.
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// True when the column stores anything.
+    pub fn is_used(&self) -> bool {
+        self.width > 0
+    }
+
+    /// The numbers of a point.
+    pub fn row(&self, point: usize) -> &[f64] {
+        &self.values[point * self.width..(point + 1) * self.width]
+    }
+
+    /// The numbers of a point, to be changed.
+    pub fn row_mut(&mut self, point: usize) -> &mut [f64] {
+        &mut self.values[point * self.width..(point + 1) * self.width]
+    }
+
+    /// The first `W` numbers of a point.
+    #[inline]
+    pub fn get<const W: usize>(&self, point: usize) -> [f64; W] {
+        let start = point * self.width;
+        std::array::from_fn(|i| self.values[start + i])
+    }
+
+    /// Stores the first `W` numbers of a point.
+    #[inline]
+    pub fn set<const W: usize>(&mut self, point: usize, value: [f64; W]) {
+        let start = point * self.width;
+        self.values[start..start + W].copy_from_slice(&value);
+    }
+
+    /// All numbers, point after point.
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    /// All numbers, to be changed.
+    pub fn values_mut(&mut self) -> &mut [f64] {
+        &mut self.values
+    }
+
+    /// Appends a point.
+    pub fn push(&mut self, row: &[f64]) {
+        self.values.extend_from_slice(&row[..self.width]);
+    }
+
+    /// Keeps the points for which `keep` holds.
+    pub fn retain(&mut self, keep: &[bool]) {
+        let width = self.width;
+        let mut to = 0;
+        for (from, _) in keep.iter().enumerate().filter(|(_, keep)| **keep) {
+            self.values.copy_within(from * width..(from + 1) * width, to * width);
+            to += 1;
+        }
+        self.values.truncate(to * width);
+    }
+
+    /// Bytes in use.
+    pub fn bytes(&self) -> usize {
+        8 * self.values.len()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_keep_the_chosen_points_in_order() {
+        let mut column = Column::new(2, 0);
+        for i in 0..5 {
+            column.push(&[f64::from(i), -f64::from(i)]);
+        }
+        column.retain(&[true, false, false, true, true]);
+        assert_eq!(column.values(), [0.0, 0.0, 3.0, -3.0, 4.0, -4.0]);
+        assert_eq!(column.get::<2>(1), [3.0, -3.0]);
+        let mut unused = Column::default();
+        unused.retain(&[true, false]);
+        assert!(!unused.is_used() && unused.bytes() == 0);
+    }
+
+    #[test]
+    fn fields_exist_only_when_asked_for() {
+        const SPEED: Variable = Variable::scalar("SPEED", "m/s", "speed");
+        let mut fields = Fields::default();
+        assert!(fields.scalar(&SPEED).is_none() && fields.columns().is_empty());
+        fields.scalar_mut(&SPEED, 3)[1] = 2.0;
+        assert_eq!(fields.scalar(&SPEED), Some(&[0.0, 2.0, 0.0][..]));
+        assert_eq!(fields.columns(), [("SPEED", 24)]);
+    }
+}
