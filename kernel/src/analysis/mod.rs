@@ -163,6 +163,8 @@ impl Analysis {
         self.stages = vec![("processes", Duration::ZERO), ("solver", Duration::ZERO), ("output", Duration::ZERO)];
         self.all(0, |process, context| process.execute_initialize(context))?;
         self.all(0, |process, context| process.execute_before_solution_loop(context))?;
+        let mut context = Context { model: &mut self.model, clock: &self.clock, options: &self.options };
+        self.solver.before_solution_loop(&mut context)?;
         if let Some(recorder) = recorder {
             recorder.observe(&self.clock, self.solver.as_ref(), &self.model);
         }

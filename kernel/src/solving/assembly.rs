@@ -3,13 +3,9 @@
 //! Cells are computed in parallel, a batch at a time, and added one after the other in their
 //! order: the sums have the same bits for every number of threads.
 
+use super::ordered::in_order;
 use bia_linalg::{BlockMatrix, BlockPattern};
-use rayon::prelude::*;
 use std::sync::Arc;
-
-/// Cells computed together before they are added: enough to keep threads busy, few enough for the
-/// second-level cache.
-const BATCH: usize = 64;
 
 /// Matrix and right-hand side with the places of each cell's blocks.
 pub struct System {
@@ -78,33 +74,21 @@ impl System {
         compute: impl Fn(usize, &mut CellBuffer) -> Result<(), E> + Sync,
     ) -> Result<(), E> {
         let block = self.matrix.pattern.block();
-        let count = self.starts.len() - 1;
         let mut buffers = std::mem::take(&mut self.buffers);
-        buffers.resize_with(BATCH.min(count), CellBuffer::default);
-        for first in (0..count).step_by(BATCH) {
-            let batch = &mut buffers[..BATCH.min(count - first)];
-            let results: Vec<Result<(), E>> = batch
-                .par_iter_mut()
-                .enumerate()
-                .map(|(i, buffer)| {
-                    let cell = first + i;
-                    let size = block * (self.starts[cell + 1] - self.starts[cell]) as usize;
-                    buffer.vector.clear();
-                    buffer.vector.resize(size, 0.0);
-                    if with_matrix {
-                        buffer.matrix.clear();
-                        buffer.matrix.resize(size * size, 0.0);
-                    }
-                    compute(cell, buffer)
-                })
-                .collect();
-            results.into_iter().collect::<Result<(), E>>()?;
-            for (i, buffer) in batch.iter().enumerate() {
-                self.add_cell(first + i, buffer, with_matrix);
+        let sizes: Vec<usize> = self.starts.windows(2).map(|range| block * (range[1] - range[0]) as usize).collect();
+        let prepare = |cell: usize, buffer: &mut CellBuffer| {
+            buffer.vector.clear();
+            buffer.vector.resize(sizes[cell], 0.0);
+            if with_matrix {
+                buffer.matrix.clear();
+                buffer.matrix.resize(sizes[cell] * sizes[cell], 0.0);
             }
-        }
+            compute(cell, buffer)
+        };
+        let add = |cell: usize, buffer: &CellBuffer| self.add_cell(cell, buffer, with_matrix);
+        let result = in_order(sizes.len(), &mut buffers, prepare, add);
         self.buffers = buffers;
-        Ok(())
+        result
     }
 
     fn add_cell(&mut self, cell: usize, buffer: &CellBuffer, with_matrix: bool) {

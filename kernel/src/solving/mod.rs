@@ -8,6 +8,7 @@ pub mod criteria;
 pub mod dofs;
 pub mod linear;
 pub mod newton;
+pub mod ordered;
 pub mod scheme;
 pub mod solver;
 

@@ -37,6 +37,15 @@ pub trait Solver: Send {
     /// Faults of the input that show only now, such as a wanted variable that nobody provides.
     fn initialize(&mut self, model: &mut Model, requirements: &Requirements) -> Result<(), InputErrors>;
 
+    /// Once, after the processes' hook of this name.
+    ///
+    /// # Errors
+    /// A numerical failure.
+    #[allow(unused_variables)]
+    fn before_solution_loop(&mut self, context: &mut Context) -> Result<(), Error> {
+        Ok(())
+    }
+
     /// Size of the step that begins at `clock.time`, in seconds.
     ///
     /// # Errors

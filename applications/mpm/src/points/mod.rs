@@ -6,4 +6,4 @@ pub mod fields;
 mod generate;
 
 pub use block::{Block, Columns, MaterialPoints};
-pub use generate::generate;
+pub use generate::{Plan, generate};

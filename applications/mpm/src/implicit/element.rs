@@ -1,0 +1,293 @@
+//! Integrals of one background cell over its material points: internal and body forces, and the
+//! tangent of the updated Lagrangian displacement formulation (spec 03 §4-5).
+//!
+//! With u the nodal increments of the step, N and ∇₀N taken once at the start-of-step positions:
+//!
+//! - f = I + Σ u ⊗ ∇₀N, F = f Fₙ, ∇N = ∇₀N f⁻¹, V = V₀ det F;
+//! - residual  R_ia = N_i m g_a − V Σ_b ∂_b N_i σ_ab;
+//! - tangent   K_ia,jb = V (B_iᵀ c B_j)_ab + V (∇N_i · σ ∇N_j) δ_ab.
+
+use crate::points::Block;
+use bia_constitutive::{Deformation, Kinematics, Response, Want};
+use bia_kernel::error::Failure;
+use bia_kernel::geometry::{CellShape, physical_gradients};
+use bia_kernel::solving::CellBuffer;
+use nalgebra::Matrix3;
+
+/// Points whose law is asked in one call.
+const CHUNK: usize = 8;
+/// Voigt index of a pair of directions.
+const VOIGT: [[usize; 3]; 3] = [[0, 3, 5], [3, 1, 4], [5, 4, 2]];
+/// Most dofs of a cell.
+const MOST: usize = 24;
+
+/// What all cells of a step share.
+pub struct Integrator<'a> {
+    /// Blocks of points.
+    pub blocks: &'a [Block],
+    /// Kinematics of the scene.
+    pub kinematics: Kinematics,
+    /// Time step in seconds.
+    pub time_step: f64,
+    /// Kratos's tangent of the axisymmetric geometric stiffness instead of the derivative.
+    pub kratos_exact: bool,
+    /// (1 - alpha) c0 of a consistent mass, none if lumped or without inertia.
+    pub consistent_mass: Option<f64>,
+}
+
+/// Nodal values of a cell.
+pub struct CellState<const D: usize, const N: usize> {
+    /// Coordinates of the grid, which stays where it is.
+    pub corners: [[f64; D]; N],
+    /// Displacement increments.
+    pub increments: [[f64; D]; N],
+    /// (1 - alpha) a + alpha a0, read with a consistent mass only.
+    pub inertia: [[f64; D]; N],
+}
+
+/// Shape functions and kinematics at one point.
+pub struct PointKinematics<const D: usize, const N: usize> {
+    /// Shape functions.
+    pub functions: [f64; N],
+    /// Gradients in the current configuration of the iterate.
+    pub gradients: [[f64; D]; N],
+    /// Deformation gradient of the iterate.
+    pub gradient: Matrix3<f64>,
+    /// Deformation gradient at the start of the step.
+    pub previous: Matrix3<f64>,
+    /// Current radius; 0 unless axisymmetric.
+    pub radius: f64,
+}
+
+impl<const D: usize, const N: usize> PointKinematics<D, N> {
+    /// Kinematics of a point under nodal increments.
+    ///
+    /// # Errors
+    /// The increments turn the point's surroundings inside out.
+    pub fn new<S: CellShape<D, N>>(
+        block: &Block,
+        point: usize,
+        kinematics: Kinematics,
+        corners: &[[f64; D]; N],
+        increments: &[[f64; D]; N],
+    ) -> Result<Self, Failure> {
+        let xi = block.local.get::<D>(point);
+        let functions = S::functions(&xi);
+        let (reference, _) = physical_gradients::<S, D, N>(corners, &xi);
+        let mut relative = Matrix3::identity();
+        for i in 0..N {
+            for a in 0..D {
+                for b in 0..D {
+                    relative[(a, b)] += increments[i][a] * reference[i][b];
+                }
+            }
+        }
+        let inverse = match relative.try_inverse() {
+            Some(inverse) if relative.determinant() > 0.0 => inverse,
+            _ => return Err(inverted(block, point, &relative)),
+        };
+        let gradients = std::array::from_fn(|i| {
+            std::array::from_fn(|b| (0..D).map(|k| reference[i][k] * inverse[(k, b)]).sum())
+        });
+        let mut radius = 0.0;
+        if kinematics == Kinematics::Axisymmetric {
+            let start: f64 = (0..N).map(|i| functions[i] * corners[i][0]).sum();
+            radius = start + (0..N).map(|i| functions[i] * increments[i][0]).sum::<f64>();
+            relative[(2, 2)] = radius / start;
+        }
+        let previous = block.deformation_gradient(point);
+        Ok(Self { functions, gradients, gradient: relative * previous, previous, radius })
+    }
+}
+
+impl Integrator<'_> {
+    /// Adds the points of one cell to its buffer.
+    ///
+    /// # Errors
+    /// An inverted deformation, or a law without an answer.
+    pub fn cell<S: CellShape<D, N>, const D: usize, const N: usize>(
+        &self,
+        state: &CellState<D, N>,
+        points: &[(u32, u32)],
+        buffer: &mut CellBuffer,
+        with_matrix: bool,
+    ) -> Result<(), Failure> {
+        let want = if with_matrix { Want::StressAndTangent } else { Want::Stress };
+        for run in points.chunk_by(|a, b| a.0 == b.0).flat_map(|run| run.chunks(CHUNK)) {
+            let block = &self.blocks[run[0].0 as usize];
+            let mut kinematics = [const { None }; CHUNK];
+            let mut deformations = [Deformation::from_gradient(Matrix3::identity()); CHUNK];
+            let mut responses = [Response::default(); CHUNK];
+            for (k, &(_, point)) in run.iter().enumerate() {
+                let at = PointKinematics::<D, N>::new::<S>(
+                    block,
+                    point as usize,
+                    self.kinematics,
+                    &state.corners,
+                    &state.increments,
+                )?;
+                deformations[k].gradient = at.gradient;
+                deformations[k].previous = at.previous;
+                deformations[k].time_step = self.time_step;
+                kinematics[k] = Some(at);
+            }
+            let mut states = gather_states(block, run);
+            let count = run.len();
+            block
+                .law
+                .respond(&deformations[..count], &mut states, &mut responses[..count], want)
+                .map_err(|(k, error)| law_failure(block, run[k].1 as usize, &deformations[k].gradient, &error))?;
+            for (k, &(_, point)) in run.iter().enumerate() {
+                let Some(at) = &kinematics[k] else { continue };
+                let mass = block.mass.get::<1>(point as usize)[0];
+                let volume = mass / block.density * at.gradient.determinant();
+                self.forces(block, mass, volume, at, &responses[k], &mut buffer.vector);
+                if with_matrix {
+                    self.tangent(volume, at, &responses[k], &mut buffer.matrix);
+                }
+                if let Some(factor) = self.consistent_mass {
+                    consistent_inertia(mass, factor, state, at, buffer, with_matrix);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn forces<const D: usize, const N: usize>(
+        &self,
+        block: &Block,
+        mass: f64,
+        volume: f64,
+        at: &PointKinematics<D, N>,
+        response: &Response,
+        vector: &mut [f64],
+    ) {
+        for i in 0..N {
+            for a in 0..D {
+                let inner: f64 = (0..D).map(|b| at.gradients[i][b] * response.stress[VOIGT[a][b]]).sum();
+                vector[i * D + a] += at.functions[i] * mass * block.body_acceleration[a] - volume * inner;
+            }
+            if self.kinematics == Kinematics::Axisymmetric {
+                vector[i * D] -= volume * at.functions[i] / at.radius * response.stress[2];
+            }
+        }
+    }
+
+    fn tangent<const D: usize, const N: usize>(
+        &self,
+        volume: f64,
+        at: &PointKinematics<D, N>,
+        response: &Response,
+        matrix: &mut [f64],
+    ) {
+        let size = N * D;
+        let axisymmetric = self.kinematics == Kinematics::Axisymmetric;
+        let hoop = |i: usize| if axisymmetric { at.functions[i] / at.radius } else { 0.0 };
+        // Rows of c B that some Bᵀ needs: all of them in space, xx, yy, xy (and θθ) in the plane.
+        let rows: &[usize] = if D == 3 { &[0, 1, 2, 3, 4, 5] } else { self.kinematics.voigt() };
+        let mut product = [[0.0; MOST]; 6];
+        for &s in rows {
+            for j in 0..N {
+                for b in 0..D {
+                    let sum: f64 = (0..D).map(|k| response.tangent[s][VOIGT[b][k]] * at.gradients[j][k]).sum();
+                    product[s][j * D + b] = sum;
+                }
+                if axisymmetric {
+                    product[s][j * D] += response.tangent[s][2] * hoop(j);
+                }
+            }
+        }
+        for i in 0..N {
+            for a in 0..D {
+                let row = &mut matrix[(i * D + a) * size..(i * D + a + 1) * size];
+                for k in 0..D {
+                    add_scaled(row, volume * at.gradients[i][k], &product[VOIGT[a][k]][..size]);
+                }
+                if axisymmetric && a == 0 {
+                    add_scaled(row, volume * hoop(i), &product[2][..size]);
+                }
+            }
+            let traction: [f64; D] = std::array::from_fn(|b| {
+                volume * (0..D).map(|a| at.gradients[i][a] * response.stress[VOIGT[a][b]]).sum::<f64>()
+            });
+            for j in 0..N {
+                let geometric: f64 = (0..D).map(|b| traction[b] * at.gradients[j][b]).sum();
+                for a in 0..D {
+                    matrix[(i * D + a) * size + j * D + a] += geometric;
+                }
+                if axisymmetric {
+                    // Kratos leaves out 1/r² here: its tangent is not the derivative, which shows in
+                    // the iterates but not in the solution.
+                    let pair = if self.kratos_exact { at.functions[i] * at.functions[j] } else { hoop(i) * hoop(j) };
+                    matrix[i * D * size + j * D] += volume * pair * response.stress[2];
+                }
+            }
+        }
+    }
+}
+
+#[inline]
+fn add_scaled(row: &mut [f64], factor: f64, other: &[f64]) {
+    for (x, y) in row.iter_mut().zip(other) {
+        *x += factor * y;
+    }
+}
+
+/// R −= m N_i N_j b_j and K += (1 - alpha) c0 m N_i N_j.
+fn consistent_inertia<const D: usize, const N: usize>(
+    mass: f64,
+    factor: f64,
+    state: &CellState<D, N>,
+    at: &PointKinematics<D, N>,
+    buffer: &mut CellBuffer,
+    with_matrix: bool,
+) {
+    let size = N * D;
+    for i in 0..N {
+        for j in 0..N {
+            let share = mass * at.functions[i] * at.functions[j];
+            for a in 0..D {
+                buffer.vector[i * D + a] -= share * state.inertia[j][a];
+                if with_matrix {
+                    buffer.matrix[(i * D + a) * size + j * D + a] += factor * share;
+                }
+            }
+        }
+    }
+}
+
+/// A copy of the points' history: iterations must not change what the step started from.
+fn gather_states(block: &Block, run: &[(u32, u32)]) -> Vec<f64> {
+    if !block.state.is_used() {
+        return Vec::new();
+    }
+    run.iter().flat_map(|&(_, point)| block.state.row(point as usize)).copied().collect()
+}
+
+fn position(block: &Block, point: usize) -> [f64; 3] {
+    let row = block.position.row(point);
+    std::array::from_fn(|i| row.get(i).copied().unwrap_or(0.0))
+}
+
+fn inverted(block: &Block, point: usize, relative: &Matrix3<f64>) -> Failure {
+    Failure::new(
+        "the deformation of this step turns a material point inside out",
+        "a smaller time step, smaller loads per step, or a finer grid",
+    )
+    .at(format!("material point {}", block.ids[point]), position(block, point))
+    .detail(format!("determinant of the step's deformation gradient: {:e}", relative.determinant()))
+    .detail(format!("law: {}", block.law.name()))
+}
+
+/// A law's refusal as a failure of the run.
+pub fn law_failure(
+    block: &Block,
+    point: usize,
+    gradient: &Matrix3<f64>,
+    error: &bia_constitutive::LawError,
+) -> Failure {
+    Failure::new(format!("the law {} has no answer: {error}", block.law.name()), "a smaller time step or smaller loads")
+        .at(format!("material point {}", block.ids[point]), position(block, point))
+        .detail(format!("deformation gradient: {:?}", gradient.transpose().as_slice()))
+        .detail(format!("J = {:e}", gradient.determinant()))
+}

@@ -1,0 +1,154 @@
+//! The materials file: constants and law of each part of the bodies.
+
+use bia_constitutive::Catalogue;
+use bia_kernel::diagnostic::InputErrors;
+use bia_kernel::model::{ModelPart, Properties, Table, Value};
+use bia_kernel::parameters::{Document, Key, Kind, Parameters};
+use std::path::Path;
+
+const ENTRY: &[Key] = &[
+    Key::required("model_part_name", Kind::Text, "part of the bodies, such as Initial_MPM_Material.Parts_Body"),
+    Key::required("properties_id", Kind::Integer { min: 0 }, "id of these properties"),
+    Key::required("Material", Kind::Object(MATERIAL), "the material"),
+];
+const MATERIAL: &[Key] = &[
+    Key::optional("name", Kind::Text, "ignored"),
+    Key::optional("constitutive_law", Kind::Object(LAW), "the law"),
+    Key::new("Variables", Kind::Any, "{}", "constants by variable name"),
+    Key::new("Tables", Kind::Any, "{}", "tables by any name"),
+];
+const LAW: &[Key] = &[Key::required("name", Kind::Text, "name of the law")];
+const TABLE: &[Key] = &[
+    Key::required("input_variable", Kind::Text, "argument"),
+    Key::required("output_variable", Kind::Text, "value"),
+    Key::required("data", Kind::List, "pairs [argument, value]"),
+];
+
+/// Variables that elements take from a material, beside those of the laws.
+const ELEMENT_VARIABLES: &[&str] = &["DENSITY", "THICKNESS", "MATERIAL_POINTS_PER_ELEMENT"];
+/// Variables that Kratos's materials may carry though the present law does not read them.
+const OTHER_VARIABLES: &[&str] = &[
+    "YOUNG_MODULUS", "POISSON_RATIO", "BULK_MODULUS", "DYNAMIC_VISCOSITY", "COHESION", "INTERNAL_FRICTION_ANGLE",
+    "INTERNAL_DILATANCY_ANGLE", "COHESION_RESIDUAL", "INTERNAL_FRICTION_ANGLE_RESIDUAL",
+    "INTERNAL_DILATANCY_ANGLE_RESIDUAL", "SHAPE_FUNCTION_BETA", "PRE_CONSOLIDATION_STRESS",
+    "OVER_CONSOLIDATION_RATIO", "SWELLING_SLOPE", "NORMAL_COMPRESSION_SLOPE", "CRITICAL_STATE_LINE",
+    "INITIAL_SHEAR_MODULUS", "ALPHA_SHEAR", "JC_PARAMETER_A", "JC_PARAMETER_B", "JC_PARAMETER_C", "JC_PARAMETER_n",
+    "JC_PARAMETER_m", "REFERENCE_STRAIN_RATE", "TAYLOR_QUINNEY_COEFFICIENT", "MELD_TEMPERATURE",
+    "REFERENCE_TEMPERATURE", "TEMPERATURE", "SPECIFIC_HEAT",
+];
+
+/// A material with the place it was read from.
+pub struct Material {
+    /// Its constants.
+    pub properties: Properties,
+    /// Its entry in the file.
+    pub parameters: Parameters,
+}
+
+/// Reads the file and gives each element of the named parts its properties.
+///
+/// # Errors
+/// All faults of the file together.
+pub fn read(
+    file: &Path,
+    bodies: &mut ModelPart,
+    part: &str,
+    catalogue: &Catalogue,
+) -> Result<Vec<Material>, InputErrors> {
+    let root = Parameters::root(Document::read(file)?);
+    let Some(list) = root.child("properties").filter(|list| list.value().is_array()) else {
+        return Err(root.error("the list \"properties\" is missing").into());
+    };
+    let mut errors = InputErrors::default();
+    let mut materials: Vec<Material> = Vec::new();
+    for entry in list.entries() {
+        let Some((path, properties)) = errors.absorb(read_entry(&entry, catalogue)) else { continue };
+        if let Some(other) = materials.iter().find(|m| m.properties.id == properties.id) {
+            let place = other.parameters.place();
+            let message = format!("properties_id {} stands twice; the first is at {place}", properties.id);
+            errors.push(entry.error(message));
+        }
+        errors.absorb(apply(bodies, part, &path, properties.id, &entry));
+        bodies.properties.insert(properties.id, properties.clone());
+        materials.push(Material { properties, parameters: entry });
+    }
+    errors.or(materials)
+}
+
+fn read_entry(entry: &Parameters, catalogue: &Catalogue) -> Result<(String, Properties), InputErrors> {
+    let settings = entry.read(ENTRY)?;
+    let mut errors = InputErrors::default();
+    let mut properties = Properties { id: settings.integer("properties_id") as u32, ..Properties::default() };
+    if let Some(material) = settings.nested("Material") {
+        properties.law = material.nested("constitutive_law").map(|law| law.text("name").to_string());
+        if let Some(variables) = material.get("Variables") {
+            for (name, value) in variables.members() {
+                let variable = errors.absorb(read_variable(&name, &value, catalogue));
+                properties.values.extend(variable);
+            }
+        }
+        for (_, table) in material.get("Tables").map_or(Vec::new(), Parameters::members) {
+            properties.tables.extend(errors.absorb(read_table(&table)));
+        }
+    }
+    errors.or((settings.text("model_part_name").to_string(), properties))
+}
+
+fn read_variable(name: &str, value: &Parameters, catalogue: &Catalogue) -> Result<(String, Value), InputErrors> {
+    let name = if name == "PARTICLES_PER_ELEMENT" { "MATERIAL_POINTS_PER_ELEMENT" } else { name };
+    let last = name.rsplit('.').next().unwrap_or(name);
+    let laws = || catalogue.entries().iter().flat_map(|law| law.variables).map(|variable| variable.name);
+    let known = || ELEMENT_VARIABLES.iter().chain(OTHER_VARIABLES).copied().chain(laws());
+    if !known().any(|k| k == last) {
+        return Err(value.error(format!("the material variable {name:?} is unknown")).allowed(last, known()).into());
+    }
+    match value.value().as_f64() {
+        Some(number) if number.is_finite() => Ok((last.to_string(), Value::Number(number))),
+        _ => Err(value.error(format!("{last} must be a number")).into()),
+    }
+}
+
+fn read_table(entry: &Parameters) -> Result<((String, String), Table), InputErrors> {
+    let settings = entry.read(TABLE)?;
+    let list = settings.get("data").map_or(Vec::new(), Parameters::entries);
+    let mut pairs = Vec::new();
+    for pair in &list {
+        match pair.value().as_array().map(|p| p.iter().map(serde_json::Value::as_f64).collect::<Vec<_>>()).as_deref() {
+            Some([Some(x), Some(y)]) => pairs.push((*x, *y)),
+            _ => return Err(pair.error("must be a pair of numbers").into()),
+        }
+    }
+    let table = Table::new(pairs).map_err(|message| InputErrors::from(entry.error(message)))?;
+    Ok(((settings.text("input_variable").into(), settings.text("output_variable").into()), table))
+}
+
+/// Sets the properties of all elements and conditions of a part.
+fn apply(bodies: &mut ModelPart, points: &str, path: &str, id: u32, entry: &Parameters) -> Result<(), InputErrors> {
+    let (root, below) = path.split_once('.').map_or((path, None), |(root, below)| (root, Some(below)));
+    let place = entry.child("model_part_name").unwrap_or_else(|| entry.clone());
+    let unknown = |bodies: &ModelPart| {
+        let names: Vec<String> = bodies.paths().iter().map(|p| format!("Initial_{points}.{p}")).collect();
+        let diagnostic = place.error(format!("there is no part {path:?} of the bodies"));
+        InputErrors::from(diagnostic.allowed(path, names.iter().map(String::as_str)))
+    };
+    if root != bodies.name && root != points {
+        return Err(unknown(bodies));
+    }
+    let (elements, conditions) = match below {
+        None => ((0..bodies.elements.len() as u32).collect(), (0..bodies.conditions.len() as u32).collect()),
+        Some(below) => match bodies.find(below) {
+            Some(sub) => (sub.elements.clone(), sub.conditions.clone()),
+            None => return Err(unknown(bodies)),
+        },
+    };
+    if elements.is_empty() && conditions.is_empty() {
+        return Err(place.error(format!("the part {path:?} has no elements, so its material is for nothing")).into());
+    }
+    for element in elements {
+        bodies.elements.properties[element as usize] = id;
+    }
+    for condition in conditions {
+        bodies.conditions.properties[condition as usize] = id;
+    }
+    Ok(())
+}

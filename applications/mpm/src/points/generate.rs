@@ -1,0 +1,259 @@
+//! Generation of material points from the body mesh (spec 02 §1-2).
+
+use super::block::{Block, Columns, MaterialPoints, gradient_width};
+use super::conditions::PointConditions;
+use crate::materials::Material;
+use bia_constitutive::{Catalogue, Kinematics, Options};
+use bia_kernel::diagnostic::{Diagnostic, InputErrors};
+use bia_kernel::geometry::{CellLocator, rule};
+use bia_kernel::model::{ModelPart, Properties, kratos_order};
+use bia_kernel::variables::Column;
+use std::f64::consts::TAU;
+
+/// What generation needs to know.
+pub struct Plan<'a> {
+    /// The background grid.
+    pub grid: &'a ModelPart,
+    /// The body mesh.
+    pub bodies: &'a ModelPart,
+    /// Materials by id.
+    pub materials: &'a [Material],
+    /// Laws by name.
+    pub catalogue: &'a Catalogue,
+    /// Search on the grid.
+    pub locator: &'a CellLocator,
+    /// Kinematics of the scene.
+    pub kinematics: Kinematics,
+    /// Columns to allocate.
+    pub columns: Columns,
+    /// Reproduce Kratos to round-off.
+    pub kratos_exact: bool,
+    /// Name of the part of points.
+    pub part: &'a str,
+}
+
+/// Makes the points of all bodies: one for each integration point of each element that belongs to
+/// a first-level part, with Kratos's ids, in Kratos's order.
+///
+/// # Errors
+/// Elements without material, constants at fault, a number of points that the shape does not
+/// have, points outside the grid: all together.
+pub fn generate(plan: &Plan) -> Result<MaterialPoints, InputErrors> {
+    let mut errors = InputErrors::default();
+    let names: Vec<&str> = plan.bodies.children.iter().map(|child| child.name.as_str()).collect();
+    let mut points = MaterialPoints {
+        name: plan.part.into(),
+        kinematics: plan.kinematics,
+        bodies: Vec::new(),
+        blocks: Vec::new(),
+        conditions: PointConditions::default(),
+        lost: 0,
+        lost_mass: 0.0,
+    };
+    let cells = plan.grid.elements.len() + plan.bodies.elements.len();
+    let mut next_id = plan.grid.nodes.len().max(cells) as u32 + 1;
+    let mut outside = Outside::default();
+    for index in kratos_order(&names) {
+        let body = points.bodies.len();
+        points.bodies.push(names[index].into());
+        let first_block = points.blocks.len();
+        for &element in &plan.bodies.children[index].elements {
+            let material = plan.bodies.elements.properties[element as usize];
+            let mut of_body = points.blocks[first_block..].iter();
+            let block = match of_body.position(|block| block.material == material) {
+                Some(position) => &mut points.blocks[first_block + position],
+                None => {
+                    let Some(block) = errors.absorb(new_block(plan, body, material, element)) else {
+                        return Err(errors);
+                    };
+                    points.blocks.push(block);
+                    let last = points.blocks.len() - 1;
+                    &mut points.blocks[last]
+                }
+            };
+            match add_element(plan, block, element as usize, &mut next_id, &mut outside) {
+                Ok(()) => {}
+                Err(diagnostic) => return Err(diagnostic.into()),
+            }
+        }
+    }
+    if let Some(diagnostic) = outside.diagnostic(plan) {
+        errors.push(diagnostic);
+    }
+    if points.is_empty() && !errors.any_error() {
+        let message = format!("the bodies have no elements in parts, so {:?} would have no material points", plan.part);
+        let help = "each element of a body must belong to a sub model part of the first level";
+        errors.push(Diagnostic::error(Default::default(), message).help(help));
+    }
+    for block in &mut points.blocks {
+        finish(block, plan);
+    }
+    errors.or(points)
+}
+
+/// Points that lie in no cell of the grid.
+#[derive(Default)]
+struct Outside {
+    count: usize,
+    first: Option<([f64; 3], u32)>,
+}
+
+impl Outside {
+    fn diagnostic(&self, plan: &Plan) -> Option<Diagnostic> {
+        let ([x, y, z], element) = self.first?;
+        let message = format!(
+            "{} material points lie outside the background grid, the first at ({x}, {y}, {z}) in body element {element}",
+            self.count
+        );
+        let bound = |i: usize, pick: fn(f64, f64) -> f64, start: f64| {
+            plan.grid.nodes.coordinates.iter().map(|c| c[i]).fold(start, pick)
+        };
+        let low: [f64; 3] = std::array::from_fn(|i| bound(i, f64::min, f64::INFINITY));
+        let high: [f64; 3] = std::array::from_fn(|i| bound(i, f64::max, f64::NEG_INFINITY));
+        Some(Diagnostic::error(Default::default(), message).help(format!("the grid spans {low:?} to {high:?}")))
+    }
+}
+
+fn material_of<'a>(plan: &'a Plan, id: u32, element: u32) -> Result<&'a Material, Diagnostic> {
+    plan.materials.iter().find(|m| m.properties.id == id).ok_or_else(|| {
+        let element = plan.bodies.elements.ids[element as usize];
+        let names: Vec<String> = plan.bodies.paths();
+        Diagnostic::error(Default::default(), format!("body element {element} has no material"))
+            .help(format!("give every part a material in the materials file; parts: {}", names.join(", ")))
+    })
+}
+
+fn new_block(plan: &Plan, body: usize, id: u32, element: u32) -> Result<Block, InputErrors> {
+    let material = material_of(plan, id, element)?;
+    let properties = &material.properties;
+    let variables = material.parameters.child("Material").and_then(|m| m.child("Variables"));
+    let place = variables.as_ref().map_or_else(|| material.parameters.place(), |v| v.place());
+    let mut errors = InputErrors::default();
+    for name in ["DENSITY", "MATERIAL_POINTS_PER_ELEMENT", "THICKNESS"] {
+        let needed = name != "THICKNESS" || plan.kinematics != Kinematics::ThreeDimensional;
+        match properties.number(name) {
+            Some(number) if number > 0.0 => {}
+            Some(number) => {
+                errors.push(Diagnostic::error(place.clone(), format!("{name} is {number}, must be a number above 0")));
+            }
+            None if needed => {
+                errors.push(Diagnostic::error(place.clone(), format!("the material variable {name} is missing")));
+            }
+            None => {}
+        }
+    }
+    let entry = properties.law.as_deref().and_then(|name| plan.catalogue.find(name));
+    let only_plane_stress = entry.is_some_and(|entry| !entry.kinematics.contains(&Kinematics::PlaneStrain));
+    let kinematics = match (plan.kinematics, entry) {
+        (Kinematics::PlaneStrain, Some(entry)) if only_plane_stress && entry.kinematics.contains(&Kinematics::PlaneStress) => {
+            Kinematics::PlaneStress
+        }
+        (kinematics, _) => kinematics,
+    };
+    let options = Options { kratos_exact: plan.kratos_exact };
+    let law = errors.absorb(plan.catalogue.build(properties, kinematics, &options, &place));
+    match law {
+        Some(law) if !errors.any_error() => Ok(Block {
+            body,
+            material: id,
+            law_name: entry.map_or_else(String::new, |entry| entry.name.to_string()),
+            density: density(properties),
+            body_acceleration: [0.0; 3],
+            ids: Vec::new(),
+            cell: Vec::new(),
+            local: Column::new(kinematics.dimension(), 0),
+            position: Column::new(kinematics.dimension(), 0),
+            displacement: Column::default(),
+            velocity: Column::default(),
+            acceleration: Column::default(),
+            mass: Column::new(1, 0),
+            gradient: Column::default(),
+            state: Column::default(),
+            stress: Column::default(),
+            strain: Column::default(),
+            volume: Column::default(),
+            law,
+        }),
+        _ => Err(errors),
+    }
+}
+
+fn density(properties: &Properties) -> f64 {
+    properties.number("DENSITY").unwrap_or(f64::NAN)
+}
+
+/// Adds the points of one element with position, mass, cell and local coordinates.
+fn add_element(
+    plan: &Plan,
+    block: &mut Block,
+    element: usize,
+    next_id: &mut u32,
+    outside: &mut Outside,
+) -> Result<(), Diagnostic> {
+    let elements = &plan.bodies.elements;
+    let material = material_of(plan, block.material, element as u32)?;
+    let shape = elements.shapes[element];
+    if shape.dimension() != plan.kinematics.dimension() {
+        let message = format!("body element {} is a {}, which does not fit {}", elements.ids[element], shape.name(), plan.kinematics);
+        return Err(Diagnostic::error(Default::default(), message).help("check domain_size and the element names"));
+    }
+    let wanted = material.properties.number("MATERIAL_POINTS_PER_ELEMENT").unwrap_or(0.0);
+    let points = if wanted.fract() == 0.0 { rule(shape, wanted as usize).ok() } else { None };
+    let Some(points) = points else {
+        let counts = bia_kernel::geometry::allowed_counts(shape).iter().map(ToString::to_string).collect::<Vec<_>>();
+        let place = material.parameters.child("Material").and_then(|m| m.child("Variables"));
+        let place = place.unwrap_or_else(|| material.parameters.clone());
+        let message = format!("MATERIAL_POINTS_PER_ELEMENT is {wanted}, which a {} does not have", shape.name());
+        return Err(place.error(message).help(format!("allowed: {}", counts.join(", "))));
+    };
+    let corners = plan.bodies.corners(elements, element);
+    let mut functions = vec![0.0; corners.len()];
+    for point in &points {
+        shape.functions(point.xi, &mut functions);
+        let x: [f64; 3] = std::array::from_fn(|i| functions.iter().zip(&corners).map(|(n, c)| n * c[i]).sum());
+        let mut volume = point.weight * shape.jacobian_determinant(&corners, point.xi);
+        if plan.kinematics != Kinematics::ThreeDimensional {
+            volume *= material.properties.number("THICKNESS").unwrap_or(1.0);
+        }
+        if plan.kinematics == Kinematics::Axisymmetric {
+            volume *= TAU * x[0];
+        }
+        let id = *next_id;
+        *next_id += 1;
+        let Some((cell, xi)) = plan.locator.locate(x, None) else {
+            outside.count += 1;
+            outside.first.get_or_insert((x, elements.ids[element]));
+            continue;
+        };
+        block.ids.push(id);
+        block.cell.push(cell);
+        block.local.push(&xi);
+        block.position.push(&x);
+        block.mass.push(&[volume * block.density]);
+    }
+    Ok(())
+}
+
+/// Allocates the other columns.
+fn finish(block: &mut Block, plan: &Plan) {
+    let (count, dimension, columns) = (block.len(), plan.kinematics.dimension(), plan.columns);
+    let column = |width: usize, used: bool| if used { Column::new(width, count) } else { Column::default() };
+    let voigt = plan.kinematics.voigt().len();
+    block.displacement = column(dimension, columns.displacement);
+    block.velocity = column(dimension, columns.motion);
+    block.acceleration = column(dimension, columns.motion);
+    block.stress = column(voigt, columns.stress);
+    block.strain = column(voigt, columns.strain);
+    block.volume = column(1, columns.volume);
+    if columns.volume {
+        for point in 0..count {
+            block.volume.set(point, [block.mass.row(point)[0] / block.density]);
+        }
+    }
+    block.gradient = Column::new(gradient_width(plan.kinematics), count);
+    for point in 0..count {
+        super::block::compress(&nalgebra::Matrix3::identity(), block.gradient.row_mut(point));
+    }
+    block.state = Column::new(block.law.state_len(), count);
+    block.law.initial_state(block.state.values_mut());
+}

@@ -1,0 +1,288 @@
+//! `solver_settings` of the implicit solvers, with Kratos's keys and defaults.
+
+use bia_constitutive::Kinematics;
+use bia_kernel::diagnostic::InputErrors;
+use bia_kernel::linalg::Method;
+use bia_kernel::model::Table;
+use bia_kernel::parameters::{Key, Kind, Parameters, Range, Settings};
+use bia_kernel::solving::linear::{self, Nature};
+use bia_kernel::solving::{Criterion, Newmark, Newton, Tolerances};
+use std::path::PathBuf;
+
+const IMPORT: &[Key] = &[
+    Key::new("input_type", Kind::Choice(&["mdpa", "use_input_model_part"]), "\"mdpa\"", "where the mesh comes from"),
+    Key::new("input_filename", Kind::Text, "\"\"", "mdpa file, with or without .mdpa"),
+];
+const MATERIALS: &[Key] = &[Key::new("materials_filename", Kind::Text, "\"\"", "materials file")];
+const SEARCH: &[Key] = &[
+    Key::new("search_algorithm_type", Kind::Choice(&["bin_based"]), "\"bin_based\"", "accepted; Bia chooses"),
+    Key::new("max_number_of_results", Kind::Integer { min: 1 }, "1000", "accepted"),
+    Key::new("searching_tolerance", Kind::Number(Range::NOT_NEGATIVE), "1e-5", "tolerance in local coordinates"),
+    Key::new("remove_entities_not_found", Kind::Bool, "true", "erase points that leave the grid"),
+];
+const STEPPING: &[Key] = &[
+    Key::optional("time_step", Kind::Number(Range::POSITIVE), "time step [s]"),
+    Key::optional("time_step_table", Kind::List, "pairs [time, time step] [s]"),
+];
+
+/// Keys of `solver_settings`.
+pub const KEYS: &[Key] = &[
+    Key::required("solver_type", Kind::Text, "static, quasi_static or dynamic"),
+    Key::new("model_part_name", Kind::Text, "\"MPM_Material\"", "name of the part of material points"),
+    Key::required("domain_size", Kind::Integer { min: 1 }, "dimension of space: 2 or 3"),
+    Key::new("echo_level", Kind::Integer { min: 0 }, "0", "ignored: --quiet and the log level rule"),
+    Key::new("analysis_type", Kind::Choice(&["non_linear", "linear"]), "\"non_linear\"", "Newton, or one solve a step"),
+    Key::new("time_integration_method", Kind::Choice(&["implicit"]), "\"implicit\"", "dynamic: implicit"),
+    Key::new("scheme_type", Kind::Choice(&["newmark", "bossak", "quasi_static"]), "\"bossak\"", "dynamic: time scheme"),
+    Key::new("damp_factor_m", Kind::Number(Range::NOT_POSITIVE), "-0.3", "Bossak's alpha"),
+    Key::new("newmark_beta", Kind::Number(Range::POSITIVE), "0.25", "Newmark's beta for alpha = 0"),
+    Key::required("time_stepping", Kind::Object(STEPPING), "the time step [s]"),
+    Key::new(
+        "convergence_criterion",
+        Kind::Choice(&["residual_criterion", "displacement_criterion", "and_criterion", "or_criterion"]),
+        "\"residual_criterion\"",
+        "when Newton stops",
+    ),
+    Key::new("displacement_relative_tolerance", Kind::Number(Range::NOT_NEGATIVE), "1e-4", "relative to the unknowns"),
+    Key::new("displacement_absolute_tolerance", Kind::Number(Range::NOT_NEGATIVE), "1e-9", "per root of the dofs [m]"),
+    Key::new("residual_relative_tolerance", Kind::Number(Range::NOT_NEGATIVE), "1e-4", "relative to the first residual"),
+    Key::new("residual_absolute_tolerance", Kind::Number(Range::NOT_NEGATIVE), "1e-9", "per dof [N]"),
+    Key::new("max_iteration", Kind::Integer { min: 1 }, "20", "most Newton iterations a step"),
+    Key::new("compute_reactions", Kind::Bool, "false", "compute REACTION on fixed nodes"),
+    Key::new("pressure_dofs", Kind::Bool, "false", "mixed displacement-pressure formulation"),
+    Key::new("stabilization", Kind::Text, "\"ppp\"", "of the mixed formulation"),
+    Key::new("compressible", Kind::Bool, "true", "explicit solver: volume follows the deformation"),
+    Key::new("axis_symmetric_flag", Kind::Bool, "false", "axisymmetric about the y axis, x is the radius"),
+    Key::new("consistent_mass_matrix", Kind::Bool, "false", "consistent instead of lumped mass"),
+    Key::new("block_builder", Kind::Bool, "true", "accepted; both give the same result"),
+    Key::new("move_mesh_flag", Kind::Bool, "false", "accepted; the grid never moves"),
+    Key::new("problem_domain_sub_model_part_list", Kind::List, "[]", "accepted"),
+    Key::new("processes_sub_model_part_list", Kind::List, "[]", "accepted"),
+    Key::new("auxiliary_variables_list", Kind::Texts, "[]", "accepted; columns are allocated on demand"),
+    Key::new("auxiliary_dofs_list", Kind::Texts, "[]", "accepted"),
+    Key::new("auxiliary_reaction_list", Kind::Texts, "[]", "accepted"),
+    Key::optional("linear_solver_settings", Kind::Any, "the linear solver"),
+    Key::new("element_search_settings", Kind::Object(SEARCH), "{}", "the search"),
+    Key::new("model_import_settings", Kind::Object(IMPORT), "{}", "mesh of the bodies").or(&["initial_model_import_settings"]),
+    Key::new("grid_model_import_settings", Kind::Object(IMPORT), "{}", "mesh of the background grid"),
+    Key::new("material_import_settings", Kind::Object(MATERIALS), "{}", "materials"),
+];
+
+/// What kind of equilibrium is sought.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Regime {
+    /// No inertia; each step starts from the displacement increment of the last.
+    Static,
+    /// No inertia; each step starts from zero.
+    QuasiStatic,
+    /// With inertia.
+    Dynamic,
+}
+
+/// Where a mesh comes from.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum MeshSource {
+    /// An mdpa file.
+    File(PathBuf),
+    /// A modeler has made the part.
+    Modeler,
+}
+
+/// The step as a number or as a function of time.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Stepping {
+    /// Always this step in seconds.
+    Constant(f64),
+    /// Interpolated at the time at which the step begins.
+    Table(Table),
+}
+
+/// Checked settings.
+pub struct SolverSettings {
+    /// Name of the part of points.
+    pub part: String,
+    /// Kinematics (plane stress is refined by the law's name).
+    pub axisymmetric: bool,
+    /// Dimension of space.
+    pub dimension: usize,
+    /// Regime.
+    pub regime: Regime,
+    /// Time scheme of dynamics.
+    pub newmark: Newmark,
+    /// Newton's method.
+    pub newton: Newton,
+    /// The user's linear solver settings.
+    pub linear: Option<Parameters>,
+    /// Time step.
+    pub stepping: Stepping,
+    /// Reactions wanted.
+    pub reactions: bool,
+    /// Consistent mass.
+    pub consistent_mass: bool,
+    /// Tolerance of the search in local coordinates.
+    pub search_tolerance: f64,
+    /// Points that leave the grid are erased; else they stay without a cell and without effect.
+    pub erase_lost: bool,
+    /// Mesh of the grid.
+    pub grid: MeshSource,
+    /// Mesh of the bodies.
+    pub bodies: MeshSource,
+    /// Materials file.
+    pub materials: PathBuf,
+    /// The settings as read, for places in messages.
+    pub settings: Settings,
+}
+
+impl SolverSettings {
+    /// Reads and checks; `folder` is that of the project.
+    ///
+    /// # Errors
+    /// All faults together.
+    pub fn read(parameters: &Parameters, folder: &std::path::Path) -> Result<Self, InputErrors> {
+        let s = parameters.read(KEYS)?;
+        let mut errors = InputErrors::default();
+        let dimension = s.integer("domain_size") as usize;
+        if !(2..=3).contains(&dimension) {
+            errors.push(s.error("domain_size", format!("is {dimension}, must be 2 or 3")));
+        }
+        let axisymmetric = s.flag("axis_symmetric_flag");
+        if axisymmetric && dimension == 3 {
+            errors.push(s.error("axis_symmetric_flag", "needs domain_size 2"));
+        }
+        if s.flag("pressure_dofs") {
+            errors.push(
+                s.error("pressure_dofs", "the mixed displacement-pressure formulation is not part of this build")
+                    .help("set pressure_dofs to false and use a compressible law"),
+            );
+        }
+        let regime = match s.text("solver_type").to_lowercase().replace('-', "_").as_str() {
+            "static" => Regime::Static,
+            "quasi_static" => Regime::QuasiStatic,
+            _ => Regime::Dynamic,
+        };
+        let stepping = errors.absorb(stepping(&s));
+        let grid = errors.absorb(mesh(&s, "grid_model_import_settings", folder));
+        let bodies = errors.absorb(mesh(&s, "model_import_settings", folder));
+        let materials = errors.absorb(materials_file(&s, folder));
+        let parts = (stepping, grid, bodies, materials);
+        let (Some(stepping), Some(grid), Some(bodies), Some(materials)) = parts else {
+            return Err(errors);
+        };
+        let built = Self {
+            part: s.text("model_part_name").into(),
+            axisymmetric,
+            dimension,
+            regime,
+            newmark: newmark(&s),
+            newton: newton(&s),
+            linear: s.get("linear_solver_settings").cloned(),
+            stepping,
+            reactions: s.flag("compute_reactions"),
+            consistent_mass: s.flag("consistent_mass_matrix"),
+            search_tolerance: s.nested("element_search_settings").map_or(1e-5, |n| n.number("searching_tolerance")),
+            erase_lost: s.nested("element_search_settings").is_none_or(|n| n.flag("remove_entities_not_found")),
+            grid,
+            bodies,
+            materials,
+            settings: s,
+        };
+        errors.absorb(built.linear_method(true));
+        errors.or(built)
+    }
+
+    /// The linear solver for symmetric or unsymmetric tangents.
+    ///
+    /// # Errors
+    /// Unknown solver names and keys.
+    pub fn linear_method(&self, symmetric: bool) -> Result<Method, InputErrors> {
+        linear::method(self.linear.as_ref(), Nature { symmetric, definite: true, dimension: self.dimension })
+    }
+
+    /// Kinematics of the scene, given whether its laws are for plane stress.
+    pub fn kinematics(&self, plane_stress: bool) -> Kinematics {
+        match (self.dimension, self.axisymmetric, plane_stress) {
+            (3, _, _) => Kinematics::ThreeDimensional,
+            (_, true, _) => Kinematics::Axisymmetric,
+            (_, _, true) => Kinematics::PlaneStress,
+            _ => Kinematics::PlaneStrain,
+        }
+    }
+}
+
+fn newmark(s: &Settings) -> Newmark {
+    let alpha = if s.text("scheme_type") == "bossak" { s.number("damp_factor_m") } else { 0.0 };
+    Newmark { alpha, beta: s.number("newmark_beta") }
+}
+
+fn newton(s: &Settings) -> Newton {
+    let tolerances = |kind: &str| Tolerances {
+        relative: s.number(&format!("{kind}_relative_tolerance")),
+        absolute: s.number(&format!("{kind}_absolute_tolerance")),
+    };
+    let (displacement, residual) = (tolerances("displacement"), tolerances("residual"));
+    let criterion = match s.text("convergence_criterion") {
+        "displacement_criterion" => Criterion::Displacement(displacement),
+        "and_criterion" => Criterion::And(displacement, residual),
+        "or_criterion" => Criterion::Or(displacement, residual),
+        _ => Criterion::Residual(residual),
+    };
+    let linear = s.text("analysis_type") == "linear";
+    Newton { max_iterations: s.integer("max_iteration") as usize, criterion: (!linear).then_some(criterion) }
+}
+
+fn stepping(s: &Settings) -> Result<Stepping, InputErrors> {
+    let Some(nested) = s.nested("time_stepping") else {
+        return Err(s.error("time_stepping", "must be an object").into());
+    };
+    if nested.given("time_step") {
+        return Ok(Stepping::Constant(nested.number("time_step")));
+    }
+    let Some(list) = nested.get("time_step_table") else {
+        let message = "names neither \"time_step\" nor \"time_step_table\"";
+        return Err(s.error("time_stepping", message).into());
+    };
+    let mut pairs = Vec::new();
+    for entry in list.entries() {
+        match entry.value().as_array().map(Vec::as_slice) {
+            Some([t, dt]) if t.is_number() && dt.as_f64().is_some_and(|dt| dt > 0.0) => {
+                pairs.push((t.as_f64().unwrap_or(0.0), dt.as_f64().unwrap_or(0.0)));
+            }
+            _ => return Err(entry.error("must be a pair [time, time step] with a time step above 0").into()),
+        }
+    }
+    Table::new(pairs).map(Stepping::Table).map_err(|message| list.error(message).into())
+}
+
+fn mesh(s: &Settings, key: &str, folder: &std::path::Path) -> Result<MeshSource, InputErrors> {
+    let Some(nested) = s.nested(key) else {
+        return Ok(MeshSource::Modeler);
+    };
+    if nested.text("input_type") == "use_input_model_part" {
+        return Ok(MeshSource::Modeler);
+    }
+    let name = nested.text("input_filename");
+    if name.is_empty() {
+        let message = "the key \"input_filename\" is missing";
+        return Err(nested
+            .parameters()
+            .error(message)
+            .help("name an mdpa file, or set input_type to \"use_input_model_part\" and let a modeler make the mesh")
+            .into());
+    }
+    let mut file = folder.join(name);
+    if file.extension().is_none_or(|extension| extension != "mdpa") {
+        file.as_mut_os_string().push(".mdpa");
+    }
+    Ok(MeshSource::File(file))
+}
+
+fn materials_file(s: &Settings, folder: &std::path::Path) -> Result<PathBuf, InputErrors> {
+    let nested = s.nested("material_import_settings");
+    match nested.map(|n| n.text("materials_filename")) {
+        Some(name) if !name.is_empty() => Ok(folder.join(name)),
+        _ => {
+            let message = "\"materials_filename\" is missing";
+            Err(s.error("material_import_settings", message).help("name the materials file").into())
+        }
+    }
+}
