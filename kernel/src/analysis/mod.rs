@@ -3,7 +3,7 @@
 mod account;
 mod project;
 
-pub use account::{Account, RecordPlan};
+pub use account::{Account, RecordPlan, number, peak_memory_mb};
 pub use project::Project;
 
 use crate::diagnostic::InputErrors;

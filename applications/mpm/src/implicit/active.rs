@@ -1,0 +1,125 @@
+//! The part of the grid that holds points: cells with their points, nodes with their dofs.
+
+use crate::points::{Block, MaterialPoints};
+use bia_kernel::geometry::CellLocator;
+use bia_kernel::model::Cells;
+use bia_kernel::solving::{ActiveDofs, System};
+use rayon::prelude::*;
+
+/// Marks a point that has no cell.
+pub const NO_CELL: u32 = u32::MAX;
+
+/// Active cells, ascending, with their points by block and index.
+#[derive(Default)]
+pub struct ActiveCells {
+    /// Cells.
+    pub cells: Vec<u32>,
+    starts: Vec<u32>,
+    points: Vec<(u32, u32)>,
+    counts: Vec<u32>,
+}
+
+impl ActiveCells {
+    /// Number of active cells.
+    pub fn len(&self) -> usize {
+        self.cells.len()
+    }
+
+    /// Points of an active cell: (block, point).
+    pub fn points(&self, index: usize) -> &[(u32, u32)] {
+        &self.points[self.starts[index] as usize..self.starts[index + 1] as usize]
+    }
+
+    /// Sorts the points of all blocks into their cells; `extra` cells are active without points.
+    pub fn gather(&mut self, blocks: &[Block], extra: &[u32], total: usize) {
+        self.counts.clear();
+        self.counts.resize(total + 1, 0);
+        let all = || blocks.iter().flat_map(|block| &block.cell).filter(|&&cell| cell != NO_CELL);
+        for &cell in all() {
+            self.counts[cell as usize] += 1;
+        }
+        let mut active: Vec<bool> = self.counts.iter().map(|&count| count > 0).collect();
+        extra.iter().filter(|&&cell| cell != NO_CELL).for_each(|&cell| active[cell as usize] = true);
+        self.cells = (0..total as u32).filter(|&cell| active[cell as usize]).collect();
+        self.starts.clear();
+        let mut next = 0;
+        for &cell in &self.cells {
+            self.starts.push(next);
+            next += std::mem::replace(&mut self.counts[cell as usize], next);
+        }
+        self.starts.push(next);
+        self.points.clear();
+        self.points.resize(next as usize, (0, 0));
+        for (b, block) in blocks.iter().enumerate() {
+            for (p, &cell) in block.cell.iter().enumerate().filter(|(_, cell)| **cell != NO_CELL) {
+                let place = &mut self.counts[cell as usize];
+                self.points[*place as usize] = (b as u32, p as u32);
+                *place += 1;
+            }
+        }
+    }
+}
+
+/// Finds the cell of every point, starting from its last one, and erases points that left the
+/// grid (or keeps them without a cell). Returns how many were erased.
+pub fn search(points: &mut MaterialPoints, locator: &CellLocator, erase: bool) -> usize {
+    let dimension = points.dimension();
+    let mut lost = 0;
+    for block in &mut points.blocks {
+        let position = &block.position;
+        let found: Vec<Option<(u32, [f64; 3])>> = block
+            .cell
+            .par_iter()
+            .with_min_len(256)
+            .enumerate()
+            .map(|(point, &cell)| {
+                let row = position.row(point);
+                let x = std::array::from_fn(|i| row.get(i).copied().unwrap_or(0.0));
+                if cell == NO_CELL { None } else { locator.locate(x, Some(cell)) }
+            })
+            .collect();
+        let mut keep = Vec::new();
+        for (point, found) in found.iter().enumerate() {
+            match found {
+                Some((cell, xi)) => {
+                    block.cell[point] = *cell;
+                    block.local.row_mut(point).copy_from_slice(&xi[..dimension]);
+                }
+                None if erase => {
+                    keep.resize(block.len(), true);
+                    keep[point] = false;
+                    points.lost_mass += block.mass.row(point)[0];
+                    lost += 1;
+                }
+                None => block.cell[point] = NO_CELL,
+            }
+        }
+        if !keep.is_empty() {
+            block.retain(&keep);
+        }
+    }
+    points.lost += lost;
+    lost
+}
+
+/// The dofs of the nodes of the active cells.
+pub fn active_dofs(grid: &Cells, nodes: usize, cells: &[u32], block: usize) -> ActiveDofs {
+    let mut active = vec![false; nodes];
+    for &cell in cells {
+        for &node in grid.nodes_of(cell as usize) {
+            active[node as usize] = true;
+        }
+    }
+    ActiveDofs::new(block, &active)
+}
+
+/// The system that couples the nodes of each active cell.
+pub fn system(grid: &Cells, cells: &[u32], dofs: &ActiveDofs) -> System {
+    let (mut numbers, mut starts) = (Vec::new(), vec![0]);
+    for &cell in cells {
+        let of_cell = grid.nodes_of(cell as usize).iter().filter_map(|&node| dofs.number(node));
+        numbers.extend(of_cell.map(|number| number as u32));
+        starts.push(numbers.len() as u32);
+    }
+    System::new(dofs.block(), dofs.nodes().len(), numbers, starts)
+}

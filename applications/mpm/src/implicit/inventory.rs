@@ -1,0 +1,162 @@
+//! What a scene consists of, and its state after a failure.
+
+use super::setup::points_of;
+use super::{GRID, Implicit};
+use crate::points::fields::{append, total_energies};
+use crate::points::{Block, MaterialPoints};
+use bia_kernel::error::Error;
+use bia_kernel::io::dataset::{CellsOf, Dataset, Field, FieldData};
+use bia_kernel::io::vtu::{VtuOptions, write_vtu};
+use bia_kernel::model::Model;
+use bia_kernel::solving::solver::Inventory;
+use std::path::{Path, PathBuf};
+
+impl Implicit {
+    pub(super) fn count(&self, model: &Model) -> Inventory {
+        let mut inventory = Inventory::default();
+        let mut line = |what: &str, text: String| inventory.lines.push((what.into(), text));
+        let (Some(grid), Some(points)) = (model.part(GRID), points_of(model)) else {
+            return inventory;
+        };
+        let locator = self.locator.as_ref().map_or(String::new(), |locator| format!(", {}", locator.describe()));
+        line("grid", format!("{} nodes, {} cells{locator}", grid.nodes.len(), grid.elements.len()));
+        line("grid parts", grid.paths().join(", "));
+        line("kinematics", points.kinematics.to_string());
+        for (index, body) in points.bodies.iter().enumerate() {
+            for block in points.blocks.iter().filter(|block| block.body == index) {
+                line(&format!("body {body}"), describe(block));
+            }
+        }
+        if !points.conditions.is_empty() {
+            line("material-point conditions", points.conditions.len().to_string());
+        }
+        if !points.conditions.grid.is_empty() {
+            line("grid loads", points.conditions.grid.len().to_string());
+        }
+        let mut active = super::ActiveCells::default();
+        active.gather(&points.blocks, &[], grid.elements.len());
+        let dofs = super::active_dofs(&grid.elements, grid.nodes.len(), &active.cells, points.dimension());
+        line("dofs at the start", format!("{} on {} active cells", dofs.order(), active.len()));
+        let bytes: usize = points.blocks.iter().map(Block::bytes).sum();
+        let each = bytes as f64 / points.len().max(1) as f64;
+        line("memory of the points", format!("{:.3} MB, {each:.0} bytes a point", bytes as f64 / 1e6));
+        line("columns in use", columns(points, true));
+        line("left out", columns(points, false));
+        inventory.warnings = self.warnings(points, model);
+        inventory
+    }
+
+    /// Legal but suspicious facts.
+    fn warnings(&self, points: &MaterialPoints, model: &Model) -> Vec<String> {
+        let mut warnings = Vec::new();
+        for material in &self.materials {
+            if let Some(ratio) = material.properties.number("POISSON_RATIO").filter(|ratio| *ratio > 0.45) {
+                let id = material.properties.id;
+                warnings.push(format!(
+                    "properties {id}: Poisson's ratio {ratio} with a displacement formulation locks: bodies look too stiff"
+                ));
+            }
+        }
+        let body: f64 = body_measure(model, points);
+        let volume: f64 = points.blocks.iter().map(volume_of).sum();
+        if body > 0.0 && (volume / body - 1.0).abs() > 1e-9 && points.lost == 0 {
+            warnings.push(format!("the volume of the points, {volume}, differs from that of the body mesh, {body}"));
+        }
+        warnings
+    }
+}
+
+fn volume_of(block: &Block) -> f64 {
+    block.mass.values().iter().sum::<f64>() / block.density
+}
+
+/// Volume of the body mesh from its cells; 0 where thickness or revolution make it another thing.
+fn body_measure(model: &Model, points: &MaterialPoints) -> f64 {
+    let bodies = model.part(&format!("Initial_{}", points.name));
+    let Some(bodies) = bodies.filter(|_| points.kinematics == bia_constitutive::Kinematics::ThreeDimensional) else {
+        return 0.0;
+    };
+    let of_part = |elements: &[u32]| -> f64 {
+        let measure = |&e: &u32| {
+            bodies.elements.shapes[e as usize].measure(&bodies.corners(&bodies.elements, e as usize))
+        };
+        elements.iter().map(measure).sum()
+    };
+    bodies.children.iter().map(|child| of_part(&child.elements)).sum()
+}
+
+fn describe(block: &Block) -> String {
+    let mass: f64 = block.mass.values().iter().sum();
+    format!(
+        "{} points, {}, mass {mass:.6e} kg, volume {:.6e} m³, wave speed {:.4e} m/s",
+        block.len(),
+        block.law_name,
+        mass / block.density,
+        block.law.wave_speed(block.density)
+    )
+}
+
+fn columns(points: &MaterialPoints, used: bool) -> String {
+    let Some(block) = points.blocks.first() else { return String::new() };
+    let names = block.columns().into_iter().filter(|(_, column)| column.is_used() == used).map(|(name, _)| name);
+    names.collect::<Vec<_>>().join(", ")
+}
+
+/// Energies that the columns in use allow.
+pub(super) fn energies(model: &Model) -> Vec<(&'static str, f64)> {
+    let Some(points) = points_of(model) else { return Vec::new() };
+    let energies = total_energies(points, None);
+    let block = points.blocks.first();
+    let mut list = vec![("potential", energies.potential)];
+    if block.is_some_and(|block| block.velocity.is_used()) {
+        list.push(("kinetic", energies.kinetic));
+    }
+    if block.is_some_and(|block| block.strain.is_used() && block.volume.is_used()) {
+        list.push(("strain", energies.strain));
+    }
+    list
+}
+
+/// Writes the points with every column in use to `failed_state.vtu`.
+pub(super) fn save_state(model: &Model, folder: &Path) -> Result<Vec<PathBuf>, Error> {
+    let Some(points) = points_of(model) else { return Ok(Vec::new()) };
+    let order = points.by_id(None);
+    let mut data = Dataset {
+        points: order.iter().map(|&(b, p)| position(&points.blocks[b as usize], p as usize)).collect(),
+        cells: CellsOf::Vertices,
+        point_fields: Vec::new(),
+        cell_fields: Vec::new(),
+    };
+    let ids = order.iter().map(|&(b, p)| points.blocks[b as usize].ids[p as usize] as i32).collect();
+    data.point_fields.push(Field { name: "ID".into(), components: 1, values: FieldData::I32(ids) });
+    let jacobians = order.iter().map(|&(b, p)| {
+        points.blocks[b as usize].deformation_gradient(p as usize).determinant()
+    });
+    data.point_fields.push(Field { name: "J".into(), components: 1, values: FieldData::F64(jacobians.collect()) });
+    for (variable, used) in [
+        ("MP_DISPLACEMENT", points.blocks[0].displacement.is_used()),
+        ("MP_VELOCITY", points.blocks[0].velocity.is_used()),
+        ("MP_CAUCHY_STRESS_VECTOR", points.blocks[0].stress.is_used()),
+    ] {
+        if used {
+            let mut values = Vec::new();
+            order.iter().for_each(|&(b, p)| {
+                append(&points.blocks[b as usize], p as usize, variable, &mut values);
+            });
+            let components = values.len() / order.len().max(1);
+            data.point_fields.push(Field { name: variable.into(), components, values: FieldData::F64(values) });
+        }
+    }
+    let path = folder.join("failed_state.vtu");
+    let written = std::fs::create_dir_all(folder).and_then(|()| write_vtu(&path, &data, None, &VtuOptions::default()));
+    match written {
+        Ok(_) => Ok(vec![path]),
+        Err(source) => Err(Error::Write { path, source }),
+    }
+}
+
+/// Position of a point with a third coordinate.
+pub fn position(block: &Block, point: usize) -> [f64; 3] {
+    let row = block.position.row(point);
+    std::array::from_fn(|i| row.get(i).copied().unwrap_or(0.0))
+}

@@ -1,0 +1,413 @@
+//! The implicit solver: static, quasi-static, Newmark and Bossak dynamics (spec 03).
+
+mod active;
+mod element;
+mod inventory;
+mod loads;
+mod problem;
+mod setup;
+mod transfer;
+
+use crate::points::MaterialPoints;
+use crate::settings::{Regime, SolverSettings, Stepping};
+use crate::variables::{ACCELERATION, DISPLACEMENT, NODAL_MASS, REACTION, VELOCITY};
+use active::{ActiveCells, active_dofs, search, system};
+use bia_constitutive::Catalogue;
+use bia_kernel::diagnostic::InputErrors;
+use bia_kernel::error::{Error, Failure};
+use bia_kernel::geometry::CellLocator;
+use bia_kernel::linalg::LinearSolver;
+use bia_kernel::model::{Model, ModelPart};
+use bia_kernel::processes::{Clock, Context, Location, Requirements, RunOptions};
+use bia_kernel::registry::{Registry, SolverEntry};
+use bia_kernel::solving::solver::{Inventory, Snapshot, Solver};
+use bia_kernel::solving::{ActiveDofs, Criterion, NonlinearSystem, StepReport, System};
+use problem::{Inertia, Problem};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+use transfer::{NodalResults, NodalSums, update_points};
+
+/// Name of the root part of the grid.
+pub const GRID: &str = "Background_Grid";
+
+/// Registers the solver.
+pub fn register(registry: &mut Registry) {
+    registry.solver(SolverEntry {
+        types: &["static", "quasi_static", "dynamic"],
+        help: "implicit material point method, updated Lagrangian",
+        build: |parameters, _, options| {
+            let settings = SolverSettings::read(parameters, &options.folder)?;
+            Ok(Box::new(Implicit::new(settings, options.clone())))
+        },
+    });
+}
+
+/// Nodal variables that are written to the grid's columns because someone reads them.
+#[derive(Default, Clone, Copy)]
+struct NodalOutput {
+    mass: bool,
+    velocity: bool,
+    acceleration: bool,
+    reaction: bool,
+}
+
+/// The solver with what it keeps from step to step.
+pub struct Implicit {
+    settings: SolverSettings,
+    options: RunOptions,
+    catalogue: Catalogue,
+    materials: Vec<crate::materials::Material>,
+    locator: Option<CellLocator>,
+    linear: Option<Box<dyn LinearSolver>>,
+    active: ActiveCells,
+    dofs: ActiveDofs,
+    system: Option<System>,
+    sums: NodalSums,
+    inertia: Option<Inertia>,
+    increments: Vec<f64>,
+    assembled: Vec<f64>,
+    /// DISPLACEMENT at the end of the last step, which is what Kratos's prediction reads.
+    previous: Vec<[f64; 3]>,
+    output: NodalOutput,
+    stages: [(&'static str, Duration); 5],
+    warned_of_loss: bool,
+}
+
+const SEARCH: usize = 0;
+const TO_GRID: usize = 1;
+const ASSEMBLY: usize = 2;
+const LINEAR: usize = 3;
+const TO_POINTS: usize = 4;
+
+impl Implicit {
+    fn new(settings: SolverSettings, options: RunOptions) -> Self {
+        let stages = ["search", "points to grid", "assembly", "linear solver", "grid to points"];
+        Self {
+            settings,
+            options,
+            catalogue: Catalogue::default(),
+            materials: Vec::new(),
+            locator: None,
+            linear: None,
+            active: ActiveCells::default(),
+            dofs: ActiveDofs::default(),
+            system: None,
+            sums: NodalSums::default(),
+            inertia: None,
+            increments: Vec::new(),
+            assembled: Vec::new(),
+            previous: Vec::new(),
+            output: NodalOutput::default(),
+            stages: stages.map(|name| (name, Duration::ZERO)),
+            warned_of_loss: false,
+        }
+    }
+
+    fn dynamic(&self) -> bool {
+        self.settings.regime == Regime::Dynamic
+    }
+
+    /// Finds the points' cells and numbers the dofs; keeps the system while the cells stay the same.
+    fn update_active(&mut self, points: &mut MaterialPoints, grid: &ModelPart) -> Result<(), Error> {
+        let Some(locator) = &self.locator else { return Ok(()) };
+        let lost = search(points, locator, self.settings.erase_lost);
+        if lost > 0 && !self.warned_of_loss {
+            tracing::warn!("{lost} material points left the grid and were erased; more are counted in the summary");
+            self.warned_of_loss = true;
+        }
+        if points.is_empty() {
+            let advice = "a larger grid, or walls that hold the bodies";
+            return Err(Failure::new("all material points have left the grid", advice).into());
+        }
+        let conditions = &mut points.conditions;
+        for i in 0..conditions.len() {
+            match locator.locate(conditions.position[i], Some(conditions.cell[i])) {
+                Some((cell, xi)) => (conditions.cell[i], conditions.local[i]) = (cell, xi),
+                None => {
+                    let advice = "a larger grid";
+                    let failure = Failure::new("a material-point condition has left the grid", advice);
+                    let name = format!("material-point condition {}", conditions.ids[i]);
+                    return Err(failure.at(name, conditions.position[i]).into());
+                }
+            }
+        }
+        let before = std::mem::take(&mut self.active.cells);
+        self.active.gather(&points.blocks, &[], grid.elements.len());
+        if before != self.active.cells || self.system.is_none() {
+            self.dofs = active_dofs(&grid.elements, grid.nodes.len(), &self.active.cells, points.dimension());
+            self.system = Some(system(&grid.elements, &self.active.cells, &self.dofs));
+        }
+        Ok(())
+    }
+
+    fn gather(&mut self, points: &MaterialPoints, grid: &ModelPart, time_step: f64) {
+        let dynamic = self.dynamic();
+        if dynamic || self.output.mass {
+            self.sums.gather(&points.blocks, &self.active, &grid.elements, &self.dofs, dynamic);
+        }
+        self.inertia = dynamic.then(|| {
+            let block = self.dofs.block();
+            let divided = |values: &[f64]| {
+                let at = |(dof, value): (usize, &f64)| {
+                    let mass = self.sums.mass[dof / block];
+                    if mass > f64::EPSILON { value / mass } else { 0.0 }
+                };
+                values.iter().enumerate().map(at).collect()
+            };
+            Inertia {
+                coefficients: self.settings.newmark.coefficients(time_step),
+                alpha: self.settings.newmark.alpha,
+                consistent: self.settings.consistent_mass,
+                velocity: divided(&self.sums.momentum),
+                acceleration: divided(&self.sums.inertia),
+            }
+        });
+    }
+
+    /// Sets the unknowns at the start of the step and the grid's DISPLACEMENT with them.
+    ///
+    /// Imposed displacements are increments of the step. Kratos, in dynamic and quasi-static runs,
+    /// ignores what processes wrote in this step and uses what stood there at the end of the last
+    /// one (spec 03 §3): that fault is reproduced by `kratos_exact` alone.
+    fn predict_increments(&mut self, grid: &mut ModelPart) {
+        let count = grid.nodes.len();
+        let fixed = grid.node_fields.fixed(&DISPLACEMENT).map_or(Vec::new(), <[_]>::to_vec);
+        let values = grid.node_fields.vector_mut(&DISPLACEMENT, count);
+        if self.settings.regime != Regime::Static {
+            for (node, value) in values.iter_mut().enumerate() {
+                for a in 0..3 {
+                    let held = fixed.get(node).is_some_and(|fixed| fixed[a]);
+                    value[a] = match (held, self.options.kratos_exact) {
+                        (false, _) => 0.0,
+                        (true, false) => value[a],
+                        (true, true) => self.previous[node][a],
+                    };
+                }
+            }
+        }
+        let block = self.dofs.block();
+        self.increments.clear();
+        self.increments.resize(self.dofs.order(), 0.0);
+        for number in 0..self.dofs.nodes().len() {
+            let node = self.dofs.nodes()[number] as usize;
+            for a in 0..block {
+                self.increments[number * block + a] = values[node][a];
+                self.dofs.fixed_mut()[number * block + a] = fixed.get(node).is_some_and(|fixed| fixed[a]);
+            }
+        }
+    }
+
+    fn write_nodal_mass(&self, grid: &mut ModelPart) {
+        if !self.output.mass {
+            return;
+        }
+        let count = grid.nodes.len();
+        let column = grid.node_fields.scalar_mut(&NODAL_MASS, count);
+        // Kratos's static solver never resets NODAL_MASS.
+        if !(self.options.kratos_exact && self.settings.regime == Regime::Static) {
+            column.fill(0.0);
+        }
+        for (number, &node) in self.dofs.nodes().iter().enumerate() {
+            column[node as usize] += self.sums.mass[number];
+        }
+    }
+
+    fn problem<'a>(&'a self, points: &'a MaterialPoints, grid: &'a ModelPart, time_step: f64) -> Problem<'a> {
+        Problem {
+            grid,
+            points,
+            active: &self.active,
+            dofs: &self.dofs,
+            sums: &self.sums,
+            inertia: self.inertia.as_ref(),
+            time_step,
+            kratos_exact: self.options.kratos_exact,
+            increments: self.increments.clone(),
+            assembled: self.increments.clone(),
+        }
+    }
+
+    /// Writes a vector over the active dofs to a column of the grid.
+    fn write_nodal(&self, grid: &mut ModelPart, variable: &bia_kernel::variables::Variable, values: &[f64]) {
+        let (count, block) = (grid.nodes.len(), self.dofs.block());
+        let column = grid.node_fields.vector_mut(variable, count);
+        for (number, &node) in self.dofs.nodes().iter().enumerate() {
+            column[node as usize][..block].copy_from_slice(&values[number * block..(number + 1) * block]);
+        }
+    }
+
+    /// Forces that hold the fixed dofs: minus the residual at the solution.
+    fn write_reactions(
+        &mut self,
+        points: &MaterialPoints,
+        grid: &mut ModelPart,
+        time_step: f64,
+    ) -> Result<(), Error> {
+        let Some(mut system) = self.system.take() else { return Ok(()) };
+        let result = self.problem(points, grid, time_step).assemble(&mut system, false);
+        let held = system.rhs.iter().zip(self.dofs.fixed()).map(|(r, fixed)| if *fixed { -r } else { 0.0 });
+        let reactions: Vec<f64> = held.collect();
+        self.system = Some(system);
+        result?;
+        let count = grid.nodes.len();
+        grid.node_fields.vector_mut(&REACTION, count).fill([0.0; 3]);
+        self.write_nodal(grid, &REACTION, &reactions);
+        Ok(())
+    }
+
+    /// Lets the solver work on the points and the grid together.
+    fn with_points<T>(
+        &mut self,
+        model: &mut Model,
+        work: impl FnOnce(&mut Self, &mut MaterialPoints, &mut ModelPart) -> Result<T, Error>,
+    ) -> Result<T, Error> {
+        let missing = || Failure::new("the solver was not initialised", "report this as a fault of Bia");
+        let mut points = model.take::<MaterialPoints>().ok_or_else(missing)?;
+        let result = match model.part_mut(GRID) {
+            Some(grid) => work(self, &mut points, grid),
+            None => Err(missing().into()),
+        };
+        model.put(points);
+        result
+    }
+
+    fn timed<T>(&mut self, stage: usize, work: impl FnOnce(&mut Self) -> T) -> T {
+        let start = Instant::now();
+        let result = work(self);
+        self.stages[stage].1 += start.elapsed();
+        result
+    }
+}
+
+impl Solver for Implicit {
+    fn import(&mut self, model: &mut Model, registry: &Registry) -> Result<(), InputErrors> {
+        self.import_model(model, registry)
+    }
+
+    fn initialize(&mut self, model: &mut Model, requirements: &Requirements) -> Result<(), InputErrors> {
+        let wants = |name: &str| requirements.wants(Location::Nodes, name);
+        self.output = NodalOutput {
+            mass: requirements.record || wants("NODAL_MASS"),
+            velocity: wants("VELOCITY"),
+            acceleration: wants("ACCELERATION"),
+            reaction: self.settings.reactions || (wants("REACTION") && !self.options.kratos_exact),
+        };
+        self.make_points(model, requirements)
+    }
+
+    fn before_solution_loop(&mut self, context: &mut Context) -> Result<(), Error> {
+        if let Some(grid) = context.model.part_mut(GRID).filter(|_| self.options.kratos_exact) {
+            let count = grid.nodes.len();
+            self.previous = grid.node_fields.vector_mut(&DISPLACEMENT, count).to_vec();
+        }
+        Ok(())
+    }
+
+    fn time_step(&mut self, _: &Model, clock: &Clock) -> Result<f64, Error> {
+        let step = match &self.settings.stepping {
+            Stepping::Constant(step) => *step,
+            Stepping::Table(table) => table.value(clock.time),
+        };
+        if step > 0.0 && clock.time + step > clock.time {
+            return Ok(step);
+        }
+        let what = format!("the time step {step} does not advance the time {}", clock.time);
+        Err(Failure::new(what, "a positive time step, also beyond the ends of the table").into())
+    }
+
+    fn predict(&mut self, context: &mut Context) -> Result<(), Error> {
+        let time_step = context.clock.time_step;
+        self.with_points(context.model, |this, points, grid| {
+            this.timed(SEARCH, |this| this.update_active(points, grid))?;
+            this.timed(TO_GRID, |this| {
+                this.gather(points, grid, time_step);
+                this.write_nodal_mass(grid);
+                this.predict_increments(grid);
+            });
+            Ok(())
+        })
+    }
+
+    fn solve_solution_step(&mut self, context: &mut Context) -> Result<StepReport, Error> {
+        let time_step = context.clock.time_step;
+        self.with_points(context.model, |this, points, grid| {
+            let (Some(mut system), Some(mut linear)) = (this.system.take(), this.linear.take()) else {
+                return Ok(StepReport::default());
+            };
+            let mut problem = this.problem(points, grid, time_step);
+            let result = this.settings.newton.solve(&mut problem, &mut system, linear.as_mut());
+            let (increments, assembled) = (problem.increments, problem.assembled);
+            (this.increments, this.assembled) = (increments, assembled);
+            (this.system, this.linear) = (Some(system), Some(linear));
+            let report = result?;
+            this.stages[ASSEMBLY].1 += report.assembly;
+            this.stages[LINEAR].1 += report.linear;
+            Ok(report)
+        })
+    }
+
+    fn finalize_solution_step(&mut self, context: &mut Context) -> Result<(), Error> {
+        let time_step = context.clock.time_step;
+        self.with_points(context.model, |this, points, grid| {
+            let start = Instant::now();
+            if this.output.reaction {
+                this.write_reactions(points, grid, time_step)?;
+            }
+            let increments = std::mem::take(&mut this.increments);
+            let accelerations = this.inertia.as_ref().map_or(Vec::new(), |i| i.final_acceleration(&increments));
+            // With the displacement criterion, or one solve a step, Kratos shows the volume of the
+            // last assembly, one correction behind.
+            let lags = !this.settings.newton.criterion.as_ref().is_some_and(Criterion::needs_residual);
+            let of_volume = if lags && this.options.kratos_exact { &this.assembled } else { &increments };
+            let nodal = NodalResults {
+                grid,
+                dofs: &this.dofs,
+                increments: &increments,
+                increments_of_volume: of_volume,
+                accelerations: &accelerations,
+                time_step,
+            };
+            update_points(points, &nodal)?;
+            let velocities = this.inertia.as_ref().map_or(Vec::new(), |i| i.final_velocity(&increments));
+            setup::move_conditions(&mut points.conditions, grid, &this.dofs, &increments, &velocities);
+            this.write_nodal(grid, &DISPLACEMENT, &increments);
+            if this.output.velocity && this.dynamic() {
+                this.write_nodal(grid, &VELOCITY, &velocities);
+            }
+            if this.output.acceleration && this.dynamic() {
+                this.write_nodal(grid, &ACCELERATION, &accelerations);
+            }
+            if this.options.kratos_exact {
+                let count = grid.nodes.len();
+                this.previous.copy_from_slice(grid.node_fields.vector_mut(&DISPLACEMENT, count));
+            }
+            this.increments = increments;
+            this.stages[TO_POINTS].1 += start.elapsed();
+            Ok(())
+        })
+    }
+
+    fn inventory(&self, model: &Model) -> Inventory {
+        self.count(model)
+    }
+
+    fn energies(&self, model: &Model) -> Vec<(&'static str, f64)> {
+        inventory::energies(model)
+    }
+
+    fn account(&self, model: &Model) -> Snapshot {
+        crate::record::account(model)
+    }
+
+    fn snapshot(&self, model: &Model) -> Snapshot {
+        crate::record::snapshot(model)
+    }
+
+    fn stages(&self) -> Vec<(&'static str, Duration)> {
+        self.stages.to_vec()
+    }
+
+    fn save_state(&self, model: &Model, folder: &Path) -> Result<Vec<PathBuf>, Error> {
+        inventory::save_state(model, folder)
+    }
+}

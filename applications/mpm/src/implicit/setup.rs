@@ -1,0 +1,171 @@
+//! Set-up of the implicit solver: meshes, materials, points, columns; and the motion of conditions.
+
+use super::{GRID, Implicit};
+use crate::points::conditions::{self, PointConditions, Requests};
+use crate::points::{Columns, Plan, fields, generate};
+use crate::settings::{MeshSource, Regime};
+use crate::{materials, points::MaterialPoints};
+use bia_constitutive::Catalogue;
+use bia_kernel::diagnostic::{Diagnostic, InputErrors, Place};
+use bia_kernel::geometry::{CellLocator, check_cells};
+use bia_kernel::io::mdpa;
+use bia_kernel::linalg::solver;
+use bia_kernel::model::{Model, ModelPart};
+use bia_kernel::processes::{Location, Requirements};
+use bia_kernel::registry::Registry;
+use bia_kernel::solving::ActiveDofs;
+
+/// Nodal variables that the solver can show.
+const NODAL_VARIABLES: &[&str] = &[
+    "DISPLACEMENT",
+    "VELOCITY",
+    "ACCELERATION",
+    "REACTION",
+    "NODAL_MASS",
+    "POINT_LOAD",
+    "LINE_LOAD",
+    "SURFACE_LOAD",
+    "POSITIVE_FACE_PRESSURE",
+    "NEGATIVE_FACE_PRESSURE",
+];
+
+impl Implicit {
+    pub(super) fn import_model(&mut self, model: &mut Model, registry: &Registry) -> Result<(), InputErrors> {
+        let initial = format!("Initial_{}", self.settings.part);
+        let mut errors = InputErrors::default();
+        for (name, source, key) in [
+            (GRID, &self.settings.grid, "grid_model_import_settings"),
+            (initial.as_str(), &self.settings.bodies, "model_import_settings"),
+        ] {
+            match source {
+                MeshSource::File(file) => {
+                    if let Some(part) = errors.absorb(mdpa::read(file, name, registry)) {
+                        let place = Place::file(file);
+                        for fault in check_cells(&part, &part.elements).into_iter().take(20) {
+                            errors.push(Diagnostic::error(place.clone(), fault.to_string()));
+                        }
+                        model.insert(part);
+                    }
+                }
+                MeshSource::Modeler if model.part(name).is_none() => {
+                    let message = format!("no modeler makes the model part {name:?}");
+                    let parts: Vec<&str> = model.parts().iter().map(|part| part.name.as_str()).collect();
+                    let diagnostic = self.settings.settings.error(key, message);
+                    errors.push(diagnostic.help(format!("name an mdpa file; the modelers make: {}", parts.join(", "))));
+                }
+                MeshSource::Modeler => {}
+            }
+        }
+        self.catalogue = registry.catalogue::<Catalogue>().cloned().unwrap_or_default();
+        if let Some(bodies) = model.part_mut(&initial) {
+            let read = materials::read(&self.settings.materials, bodies, &self.settings.part, &self.catalogue);
+            self.materials = errors.absorb(read).unwrap_or_default();
+        }
+        errors.or(())
+    }
+
+    pub(super) fn make_points(&mut self, model: &mut Model, requirements: &Requirements) -> Result<(), InputErrors> {
+        let initial = format!("Initial_{}", self.settings.part);
+        let columns = self.columns(requirements)?;
+        let requests = model.extension::<Requests>().cloned().unwrap_or_default();
+        let (Some(grid), Some(bodies)) = (model.part(GRID), model.part(&initial)) else {
+            return Ok(());
+        };
+        let dimension = self.settings.dimension;
+        if let Some(cell) = grid.elements.shapes.iter().position(|shape| shape.dimension() != dimension) {
+            let (id, name) = (grid.elements.ids[cell], grid.elements.name_of(cell));
+            let message = format!("is {dimension}, but grid element {id} is a {name}");
+            return Err(self.settings.settings.error("domain_size", message).into());
+        }
+        let locator = CellLocator::new(grid, self.settings.search_tolerance);
+        let kinematics = self.settings.kinematics(false);
+        let plan = Plan {
+            grid,
+            bodies,
+            materials: &self.materials,
+            catalogue: &self.catalogue,
+            locator: &locator,
+            kinematics,
+            columns,
+            kratos_exact: self.options.kratos_exact,
+            part: &self.settings.part,
+        };
+        let mut points = generate(&plan)?;
+        let elements = grid.elements.len() + bodies.elements.len() + points.len();
+        points.conditions = conditions::generate(grid, &requests, &locator, elements)?;
+        let symmetric = points.blocks.iter().all(|block| block.law.is_symmetric());
+        let linear = solver(self.settings.linear_method(symmetric)?);
+        self.linear = Some(linear);
+        tracing::debug!("{}", locator.describe());
+        self.locator = Some(locator);
+        model.extend(points);
+        Ok(())
+    }
+
+    /// The columns that the scheme and the processes need, and nothing else.
+    fn columns(&self, requirements: &Requirements) -> Result<Columns, InputErrors> {
+        let dynamic = self.settings.regime == Regime::Dynamic;
+        let mut columns = Columns { motion: dynamic, ..Columns::default() };
+        let mut errors = InputErrors::default();
+        for wanted in &requirements.variables {
+            let name = wanted.variable.as_str();
+            let unknown = |names: &mut dyn Iterator<Item = &'static str>| {
+                let message = format!("nobody in this scene provides {name:?}");
+                wanted.place.error(message).allowed(name, names)
+            };
+            match wanted.location {
+                Location::Points => match fields::columns_of(name) {
+                    Some(needed) => columns = columns.or(needed),
+                    None => errors.push(unknown(&mut fields::names())),
+                },
+                Location::PointConditions if !fields::CONDITION_VARIABLES.contains(&name) => {
+                    errors.push(unknown(&mut fields::CONDITION_VARIABLES.iter().copied()));
+                }
+                Location::Nodes if !NODAL_VARIABLES.contains(&name) => {
+                    errors.push(unknown(&mut NODAL_VARIABLES.iter().copied()));
+                }
+                _ => {}
+            }
+        }
+        if requirements.energies {
+            columns = columns.or(fields::ENERGY);
+        }
+        if requirements.record {
+            columns = Columns { displacement: true, motion: true, stress: true, strain: true, volume: true };
+        }
+        errors.or(columns)
+    }
+}
+
+/// Carries material-point conditions with the grid.
+pub(super) fn move_conditions(
+    conditions: &mut PointConditions,
+    grid: &ModelPart,
+    dofs: &ActiveDofs,
+    increments: &[f64],
+    velocities: &[f64],
+) {
+    let block = dofs.block();
+    for i in 0..conditions.len() {
+        let cell = conditions.cell[i] as usize;
+        let shape = grid.elements.shapes[cell];
+        let mut functions = [0.0; 8];
+        shape.functions(conditions.local[i], &mut functions[..shape.node_count()]);
+        conditions.velocity[i] = [0.0; 3];
+        for (&node, n) in grid.elements.nodes_of(cell).iter().zip(functions) {
+            let Some(number) = dofs.number(node).filter(|_| n > f64::EPSILON) else { continue };
+            for a in 0..block {
+                conditions.position[i][a] += n * increments[number * block + a];
+                conditions.displacement[i][a] += n * increments[number * block + a];
+                if let Some(velocity) = velocities.get(number * block + a) {
+                    conditions.velocity[i][a] += n * velocity;
+                }
+            }
+        }
+    }
+}
+
+/// The points of a model, if they were made.
+pub(super) fn points_of(model: &Model) -> Option<&MaterialPoints> {
+    model.extension::<MaterialPoints>()
+}

@@ -1,0 +1,318 @@
+//! Transfers between points and grid with the shape functions at the start of the step.
+
+use super::active::{ActiveCells, NO_CELL};
+use super::element::{PointKinematics, law_failure};
+use crate::points::{Block, MaterialPoints, compress};
+use bia_constitutive::{Deformation, Kinematics, Response, Want};
+use bia_kernel::error::Failure;
+use bia_kernel::geometry::{CellShape, Hexahedron8, Quadrilateral4, Shape, Tetrahedron4, Triangle3};
+use bia_kernel::model::{Cells, ModelPart};
+use bia_kernel::solving::ActiveDofs;
+use bia_kernel::solving::ordered::in_order;
+use rayon::prelude::*;
+
+/// Points handled together when their state is written back.
+const SLAB: usize = 4096;
+/// Points a thread takes at a time.
+const GRAIN: usize = 64;
+
+/// Calls a function with the type of a cell's shape: `with_shape!(shape, S, D, N => expression)`.
+/// Shapes that are no solid cells yield the last expression.
+macro_rules! with_shape {
+    ($shape:expr, |$S:ident, $D:ident, $N:ident| $body:expr, else $other:expr) => {
+        match $shape {
+            Shape::Triangle3 => {
+                type $S = Triangle3;
+                const $D: usize = 2;
+                const $N: usize = 3;
+                $body
+            }
+            Shape::Quadrilateral4 => {
+                type $S = Quadrilateral4;
+                const $D: usize = 2;
+                const $N: usize = 4;
+                $body
+            }
+            Shape::Tetrahedron4 => {
+                type $S = Tetrahedron4;
+                const $D: usize = 3;
+                const $N: usize = 4;
+                $body
+            }
+            Shape::Hexahedron8 => {
+                type $S = Hexahedron8;
+                const $D: usize = 3;
+                const $N: usize = 8;
+                $body
+            }
+            _ => $other,
+        }
+    };
+}
+pub(super) use with_shape;
+
+/// Sums gathered on the active nodes: mass, and momentum and inertia if points move.
+#[derive(Default)]
+pub struct NodalSums {
+    /// Σ N m.
+    pub mass: Vec<f64>,
+    /// Σ N m v, entry `number * D + component`.
+    pub momentum: Vec<f64>,
+    /// Σ N m a.
+    pub inertia: Vec<f64>,
+    buffers: Vec<Vec<f64>>,
+}
+
+impl NodalSums {
+    /// Gathers from all points; `with_motion` asks for momentum and inertia.
+    pub fn gather(
+        &mut self,
+        blocks: &[Block],
+        active: &ActiveCells,
+        grid: &Cells,
+        dofs: &ActiveDofs,
+        with_motion: bool,
+    ) {
+        let dimension = dofs.block();
+        let nodes = dofs.nodes().len();
+        for (sums, size) in
+            [(&mut self.mass, nodes), (&mut self.momentum, nodes * dimension), (&mut self.inertia, nodes * dimension)]
+        {
+            sums.clear();
+            sums.resize(if with_motion || size == nodes { size } else { 0 }, 0.0);
+        }
+        let width = if with_motion { 1 + 2 * dimension } else { 1 };
+        let compute = |index: usize, buffer: &mut Vec<f64>| {
+            let cell = active.cells[index] as usize;
+            buffer.clear();
+            buffer.resize(width * grid.nodes_of(cell).len(), 0.0);
+            for &(block, point) in active.points(index) {
+                let block = &blocks[block as usize];
+                with_shape!(grid.shapes[cell], |S, D, N| {
+                    add_point::<S, D, N>(block, point as usize, with_motion, buffer);
+                }, else ());
+            }
+            Ok::<(), ()>(())
+        };
+        let (mass, momentum, inertia) = (&mut self.mass, &mut self.momentum, &mut self.inertia);
+        let add = |index: usize, buffer: &Vec<f64>| {
+            for (i, &node) in grid.nodes_of(active.cells[index] as usize).iter().enumerate() {
+                let Some(number) = dofs.number(node) else { continue };
+                mass[number] += buffer[i * width];
+                if with_motion {
+                    for a in 0..dimension {
+                        momentum[number * dimension + a] += buffer[i * width + 1 + a];
+                        inertia[number * dimension + a] += buffer[i * width + 1 + dimension + a];
+                    }
+                }
+            }
+        };
+        // The computation cannot fail.
+        let _ = in_order(active.len(), &mut self.buffers, compute, add);
+    }
+}
+
+fn add_point<S: CellShape<D, N>, const D: usize, const N: usize>(
+    block: &Block,
+    point: usize,
+    with_motion: bool,
+    buffer: &mut [f64],
+) {
+    let functions = S::functions(&block.local.get::<D>(point));
+    let mass = block.mass.get::<1>(point)[0];
+    if !with_motion {
+        for i in 0..N {
+            buffer[i] += functions[i] * mass;
+        }
+        return;
+    }
+    let (velocity, acceleration) = (block.velocity.get::<D>(point), block.acceleration.get::<D>(point));
+    let width = 1 + 2 * D;
+    for i in 0..N {
+        let share = functions[i] * mass;
+        buffer[i * width] += share;
+        for a in 0..D {
+            buffer[i * width + 1 + a] += share * velocity[a];
+            buffer[i * width + 1 + D + a] += share * acceleration[a];
+        }
+    }
+}
+
+/// Nodal results of a step, as the points see them.
+pub struct NodalResults<'a> {
+    /// The grid.
+    pub grid: &'a ModelPart,
+    /// Numbers of the active nodes.
+    pub dofs: &'a ActiveDofs,
+    /// Displacement increments.
+    pub increments: &'a [f64],
+    /// Increments at the last assembly: the volume that Kratos shows lags there.
+    pub increments_of_volume: &'a [f64],
+    /// Accelerations; empty without inertia.
+    pub accelerations: &'a [f64],
+    /// Time step in seconds.
+    pub time_step: f64,
+}
+
+/// What a point takes from the grid at the end of a step.
+#[derive(Clone, Copy)]
+struct Update {
+    deformation: Deformation,
+    step: [f64; 3],
+    acceleration: [f64; 3],
+    volume_ratio: f64,
+}
+
+/// Moves the points, updates their deformation, history and the columns that the scene uses.
+///
+/// # Errors
+/// A law without an answer, or an inverted deformation.
+pub fn update_points(points: &mut MaterialPoints, nodal: &NodalResults) -> Result<(), Failure> {
+    let kinematics = points.kinematics;
+    for block in &mut points.blocks {
+        for first in (0..block.len()).step_by(SLAB) {
+            let range = first..(first + SLAB).min(block.len());
+            let moved = |point: usize| update(block, point, kinematics, nodal);
+            let updates: Vec<Update> =
+                range.clone().into_par_iter().with_min_len(GRAIN).map(moved).collect::<Result<_, Failure>>()?;
+            answer(block, &range, &updates, kinematics)?;
+            for (update, point) in updates.iter().zip(range) {
+                store(block, point, update, nodal.time_step);
+            }
+        }
+    }
+    Ok(())
+}
+
+fn update(block: &Block, point: usize, kinematics: Kinematics, nodal: &NodalResults) -> Result<Update, Failure> {
+    let gradient = block.deformation_gradient(point);
+    let mut deformation = Deformation::from_gradient(gradient);
+    deformation.previous = gradient;
+    deformation.time_step = nodal.time_step;
+    let rest = Update { deformation, step: [0.0; 3], acceleration: [0.0; 3], volume_ratio: gradient.determinant() };
+    let cell = block.cell[point];
+    if cell == NO_CELL {
+        return Ok(rest);
+    }
+    with_shape!(nodal.grid.elements.shapes[cell as usize], |S, D, N| {
+        update_in::<S, D, N>(block, point, kinematics, nodal, rest)
+    }, else Ok(rest))
+}
+
+fn update_in<S: CellShape<D, N>, const D: usize, const N: usize>(
+    block: &Block,
+    point: usize,
+    kinematics: Kinematics,
+    nodal: &NodalResults,
+    mut update: Update,
+) -> Result<Update, Failure> {
+    let nodes = nodal.grid.elements.nodes_of(block.cell[point] as usize);
+    let corners = corners::<D, N>(nodal.grid, nodes);
+    let increments = nodal_vectors::<D, N>(nodal.dofs, nodes, nodal.increments);
+    let at = PointKinematics::<D, N>::new::<S>(block, point, kinematics, &corners, &increments)?;
+    update.deformation.gradient = at.gradient;
+    update.volume_ratio = at.gradient.determinant();
+    if !std::ptr::eq(nodal.increments, nodal.increments_of_volume) {
+        let increments = nodal_vectors::<D, N>(nodal.dofs, nodes, nodal.increments_of_volume);
+        let earlier = PointKinematics::<D, N>::new::<S>(block, point, kinematics, &corners, &increments)?;
+        update.volume_ratio = earlier.gradient.determinant();
+    }
+    let accelerations = nodal_vectors::<D, N>(nodal.dofs, nodes, nodal.accelerations);
+    for i in (0..N).filter(|&i| at.functions[i] > f64::EPSILON) {
+        for a in 0..D {
+            update.step[a] += at.functions[i] * increments[i][a];
+            update.acceleration[a] += at.functions[i] * accelerations[i][a];
+        }
+    }
+    Ok(update)
+}
+
+/// Asks the law for the stress and the new history, if either is kept.
+fn answer(
+    block: &mut Block,
+    range: &std::ops::Range<usize>,
+    updates: &[Update],
+    kinematics: Kinematics,
+) -> Result<(), Failure> {
+    let length = block.state.width();
+    if !block.stress.is_used() && length == 0 {
+        return Ok(());
+    }
+    let deformations: Vec<Deformation> = updates.iter().map(|update| update.deformation).collect();
+    let mut responses = vec![Response::default(); updates.len()];
+    let mut states = block.state.values()[range.start * length..range.end * length].to_vec();
+    let law = block.law.as_ref();
+    let ask = |(grain, (deformations, (responses, states))): (usize, (&[Deformation], (&mut [Response], &mut [f64])))| {
+        let asked = law.respond(deformations, states, responses, Want::Stress);
+        asked.map_err(|(k, error)| (grain * GRAIN + k, error))
+    };
+    let chunks = deformations.chunks(GRAIN).zip(responses.chunks_mut(GRAIN));
+    let mut rest = states.as_mut_slice();
+    let mut tasks = Vec::new();
+    for (deformations, responses) in chunks {
+        let (of_chunk, after) = std::mem::take(&mut rest).split_at_mut(deformations.len() * length);
+        rest = after;
+        tasks.push((deformations, (responses, of_chunk)));
+    }
+    let answers: Vec<_> = tasks.into_par_iter().enumerate().map(ask).collect();
+    if let Some((k, error)) = answers.into_iter().find_map(Result::err) {
+        return Err(law_failure(block, range.start + k, &deformations[k].gradient, &error));
+    }
+    block.state.values_mut()[range.start * length..range.end * length].copy_from_slice(&states);
+    let voigt = kinematics.voigt();
+    for ((response, update), point) in responses.iter().zip(updates).zip(range.clone()) {
+        if block.stress.is_used() {
+            let row = block.stress.row_mut(point);
+            voigt.iter().zip(row).for_each(|(&v, entry)| *entry = response.stress[v]);
+        }
+        if block.strain.is_used() {
+            let strain = block.law.strain(&update.deformation);
+            let row = block.strain.row_mut(point);
+            voigt.iter().zip(row).for_each(|(&v, entry)| *entry = strain[v]);
+        }
+    }
+    Ok(())
+}
+
+/// Writes a point's update. The velocity follows the trapezoidal rule whatever the scheme's
+/// coefficients are, as in Kratos (spec 03 §8).
+fn store(block: &mut Block, point: usize, update: &Update, time_step: f64) {
+    compress(&update.deformation.gradient, block.gradient.row_mut(point));
+    block.position.row_mut(point).iter_mut().zip(update.step).for_each(|(x, step)| *x += step);
+    if block.displacement.is_used() {
+        block.displacement.row_mut(point).iter_mut().zip(update.step).for_each(|(x, step)| *x += step);
+    }
+    if block.velocity.is_used() {
+        let old = block.acceleration.row_mut(point);
+        for (i, (v, a)) in block.velocity.row_mut(point).iter_mut().zip(old).enumerate() {
+            *v += 0.5 * time_step * (update.acceleration[i] + *a);
+            *a = update.acceleration[i];
+        }
+    }
+    if block.volume.is_used() {
+        let reference = block.mass.get::<1>(point)[0] / block.density;
+        block.volume.set(point, [reference * update.volume_ratio]);
+    }
+}
+
+/// Coordinates of a cell's nodes.
+#[inline]
+pub fn corners<const D: usize, const N: usize>(grid: &ModelPart, nodes: &[u32]) -> [[f64; D]; N] {
+    std::array::from_fn(|i| {
+        let x = &grid.nodes.coordinates[nodes[i] as usize];
+        std::array::from_fn(|a| x[a])
+    })
+}
+
+/// Values of a cell's nodes out of a vector over the active dofs; zeros if it is empty.
+#[inline]
+pub fn nodal_vectors<const D: usize, const N: usize>(
+    dofs: &ActiveDofs,
+    nodes: &[u32],
+    values: &[f64],
+) -> [[f64; D]; N] {
+    std::array::from_fn(|i| match dofs.number(nodes[i]) {
+        Some(number) if !values.is_empty() => std::array::from_fn(|a| values[number * D + a]),
+        _ => [0.0; D],
+    })
+}

@@ -1,0 +1,245 @@
+//! Conditions that move with the material: points on boundary lines or surfaces that carry a load.
+
+use bia_kernel::diagnostic::{Diagnostic, InputErrors};
+use bia_kernel::geometry::{CellLocator, Shape, rule};
+use bia_kernel::model::{ModelPart, kratos_order};
+use bia_kernel::parameters::Parameters;
+
+/// A process's wish that the conditions of a grid part become material-point conditions.
+#[derive(Debug, Clone)]
+pub struct Request {
+    /// Part below the grid's root.
+    pub part: String,
+    /// Points on each condition; 0 counts as 1.
+    pub count: usize,
+    /// Evenly spaced with both ends instead of Gauss points; points that meet are merged.
+    pub equally_distributed: bool,
+    /// Normals point the other way.
+    pub flip_normal: bool,
+    /// Who asks.
+    pub place: Parameters,
+}
+
+/// All requests of a scene; kept in the model between the processes' and the solver's set-up.
+#[derive(Debug, Clone, Default)]
+pub struct Requests(pub Vec<Request>);
+
+/// Material-point conditions as columns.
+#[derive(Debug, Clone, Default)]
+pub struct PointConditions {
+    /// Ids of grid conditions that belong to the part of points.
+    pub grid_ids: Vec<u32>,
+    /// Indices of those grid conditions.
+    pub grid: Vec<u32>,
+    /// (part, first, end) of the points of each requested part.
+    pub parts: Vec<(String, usize, usize)>,
+    /// Ids.
+    pub ids: Vec<u32>,
+    /// Background cell.
+    pub cell: Vec<u32>,
+    /// Local coordinates there.
+    pub local: Vec<[f64; 3]>,
+    /// Position in m.
+    pub position: Vec<[f64; 3]>,
+    /// Displacement in m.
+    pub displacement: Vec<[f64; 3]>,
+    /// Velocity in m/s.
+    pub velocity: Vec<[f64; 3]>,
+    /// Length (plane) or area (space) that the point stands for; 1 for a point condition.
+    pub area: Vec<f64>,
+    /// Unit normal; zero for a point condition.
+    pub normal: Vec<[f64; 3]>,
+    /// Force in N.
+    pub load: Vec<[f64; 3]>,
+}
+
+impl PointConditions {
+    /// Number of material-point conditions.
+    pub fn len(&self) -> usize {
+        self.ids.len()
+    }
+
+    /// True without any.
+    pub fn is_empty(&self) -> bool {
+        self.ids.is_empty()
+    }
+
+    fn push(&mut self, id: u32, position: [f64; 3], area: f64, normal: [f64; 3]) {
+        self.ids.push(id);
+        self.cell.push(0);
+        self.local.push([0.0; 3]);
+        self.position.push(position);
+        self.displacement.push([0.0; 3]);
+        self.velocity.push([0.0; 3]);
+        self.area.push(area);
+        self.normal.push(normal);
+        self.load.push([0.0; 3]);
+    }
+}
+
+/// Makes the conditions of the part of points: grid conditions as they are, requested parts as
+/// points (spec 02 §4). `elements` counts grid and body elements and material points.
+///
+/// # Errors
+/// A number of points that a shape does not have, points outside the grid.
+pub fn generate(
+    grid: &ModelPart,
+    requests: &Requests,
+    locator: &CellLocator,
+    elements: usize,
+) -> Result<PointConditions, InputErrors> {
+    let mut made = PointConditions::default();
+    let mut errors = InputErrors::default();
+    let (nodes, conditions) = (grid.nodes.len(), grid.conditions.len());
+    let mut next_id = if elements > nodes && elements > conditions { elements } else { nodes.max(conditions) } as u32 + 1;
+    let names: Vec<&str> = grid.children.iter().map(|child| child.name.as_str()).collect();
+    for index in kratos_order(&names) {
+        let part = &grid.children[index];
+        match requests.0.iter().find(|request| request.part == part.name) {
+            None => {
+                for &condition in part.conditions.iter().filter(|c| is_load(grid.conditions.name_of(**c as usize))) {
+                    made.grid.push(condition);
+                    made.grid_ids.push(grid.conditions.ids[condition as usize]);
+                }
+            }
+            Some(request) => {
+                let first = made.len();
+                for &condition in &part.conditions {
+                    errors.absorb(add(grid, condition as usize, request, &mut next_id, &mut made, first));
+                }
+                made.parts.push((part.name.clone(), first, made.len()));
+            }
+        }
+    }
+    let mut outside = Vec::new();
+    for i in 0..made.len() {
+        match locator.locate(made.position[i], None) {
+            Some((cell, xi)) => (made.cell[i], made.local[i]) = (cell, xi),
+            None => outside.push(made.position[i]),
+        }
+    }
+    if let Some(first) = outside.first() {
+        let message = format!("{} material-point conditions lie outside the grid, the first at {first:?}", outside.len());
+        errors.push(Diagnostic::error(Default::default(), message));
+    }
+    made.grid_ids.sort_unstable();
+    errors.or(made)
+}
+
+fn is_load(name: &str) -> bool {
+    name.starts_with("MPMGrid")
+}
+
+fn add(
+    grid: &ModelPart,
+    condition: usize,
+    request: &Request,
+    next_id: &mut u32,
+    made: &mut PointConditions,
+    first: usize,
+) -> Result<(), InputErrors> {
+    let shape = grid.conditions.shapes[condition];
+    let corners = grid.corners(&grid.conditions, condition);
+    let flip = if request.flip_normal { -1.0 } else { 1.0 };
+    let normal = normal(shape, &corners).map(|n| flip * n);
+    if shape == Shape::Point1 {
+        made.push(*next_id, corners[0], 1.0, [0.0; 3]);
+        *next_id += 1;
+        return Ok(());
+    }
+    let points = if shape == Shape::Line2 && request.equally_distributed {
+        even_points(request.count)
+    } else {
+        let rule = rule(shape, request.count.max(1)).map_err(|error| request.place.error(error.to_string()))?;
+        rule.iter().map(|point| (point.xi, point.weight)).collect()
+    };
+    let mut functions = vec![0.0; corners.len()];
+    for (xi, weight) in points {
+        shape.functions(xi, &mut functions);
+        let x: [f64; 3] = std::array::from_fn(|i| functions.iter().zip(&corners).map(|(n, c)| n * c[i]).sum());
+        let area = weight * surface_measure(shape, &corners, xi);
+        let twin = (first..made.len()).find(|&i| request.equally_distributed && same_place(made.position[i], x));
+        match twin {
+            Some(twin) => made.area[twin] += area,
+            None => {
+                made.push(*next_id, x, area, normal);
+                *next_id += 1;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// `count` + 2 points with both ends; weights sum to 2.
+fn even_points(count: usize) -> Vec<([f64; 3], f64)> {
+    let intervals = count + 1;
+    (0..=intervals)
+        .map(|i| {
+            let share = if i == 0 || i == intervals { 0.5 } else { 1.0 };
+            ([-1.0 + 2.0 * i as f64 / intervals as f64, 0.0, 0.0], share * 2.0 / intervals as f64)
+        })
+        .collect()
+}
+
+fn same_place(a: [f64; 3], b: [f64; 3]) -> bool {
+    (0..3).all(|i| (a[i] - b[i]).abs() <= 1e-12 * (1.0 + a[i].abs()))
+}
+
+/// Length or area per unit of local measure.
+pub fn surface_measure(shape: Shape, corners: &[[f64; 3]], xi: [f64; 3]) -> f64 {
+    let tangents = tangents(shape, corners, xi);
+    if shape == Shape::Line2 { norm(tangents[0]) } else { norm(cross(tangents[0], tangents[1])) }
+}
+
+/// Derivatives of the position by the local coordinates.
+pub fn tangents(shape: Shape, corners: &[[f64; 3]], xi: [f64; 3]) -> [[f64; 3]; 2] {
+    let mut gradients = vec![[0.0; 3]; corners.len()];
+    shape.gradients(xi, &mut gradients);
+    std::array::from_fn(|k| std::array::from_fn(|i| gradients.iter().zip(corners).map(|(g, c)| g[k] * c[i]).sum()))
+}
+
+/// Unit normal: of a line from node 1 to node 2 the one to its right, of a face by the right hand.
+fn normal(shape: Shape, corners: &[[f64; 3]]) -> [f64; 3] {
+    let [first, second] = tangents(shape, corners, shape.center());
+    let direction = match shape {
+        Shape::Point1 => return [0.0; 3],
+        Shape::Line2 => [first[1], -first[0], 0.0],
+        _ => cross(first, second),
+    };
+    let size = norm(direction);
+    direction.map(|d| d / size)
+}
+
+/// Vector product.
+pub fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+fn norm(a: [f64; 3]) -> f64 {
+    (a[0] * a[0] + a[1] * a[1] + a[2] * a[2]).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn even_points_share_the_whole_length() {
+        for count in 0..5 {
+            let points = even_points(count);
+            assert_eq!(points.len(), count + 2);
+            assert!((points.iter().map(|p| p.1).sum::<f64>() - 2.0).abs() < 1e-14);
+            assert_eq!((points[0].0[0], points[count + 1].0[0]), (-1.0, 1.0));
+        }
+    }
+
+    #[test]
+    fn normals_and_measures() {
+        let line = [[0.0; 3], [2.0, 0.0, 0.0]];
+        assert_eq!(normal(Shape::Line2, &line), [0.0, -1.0, 0.0]);
+        assert!((surface_measure(Shape::Line2, &line, [0.3, 0.0, 0.0]) - 1.0).abs() < 1e-15);
+        let square = [[0.0; 3], [2.0, 0.0, 0.0], [2.0, 2.0, 0.0], [0.0, 2.0, 0.0]];
+        assert_eq!(normal(Shape::Quadrilateral4, &square), [0.0, 0.0, 1.0]);
+        assert!((surface_measure(Shape::Quadrilateral4, &square, [0.1, 0.2, 0.0]) - 1.0).abs() < 1e-15);
+    }
+}

@@ -1,0 +1,142 @@
+//! The variables that material points and their conditions can show, and what each costs.
+
+use super::block::{Block, Columns, MaterialPoints};
+use super::conditions::PointConditions;
+
+/// Variables of points with the columns they need.
+const POINT_VARIABLES: &[(&str, Columns)] = &[
+    ("MP_COORD", NONE),
+    ("MP_DISPLACEMENT", Columns { displacement: true, ..NONE }),
+    ("MP_VELOCITY", Columns { motion: true, ..NONE }),
+    ("MP_ACCELERATION", Columns { motion: true, ..NONE }),
+    ("MP_VOLUME_ACCELERATION", NONE),
+    ("MP_CAUCHY_STRESS_VECTOR", Columns { stress: true, ..NONE }),
+    ("MP_ALMANSI_STRAIN_VECTOR", STRESS_AND_STRAIN),
+    ("MP_MASS", NONE),
+    ("MP_VOLUME", Columns { volume: true, ..NONE }),
+    ("MP_DENSITY", Columns { volume: true, ..NONE }),
+    ("MP_MATERIAL_ID", NONE),
+    ("MP_POTENTIAL_ENERGY", NONE),
+    ("MP_KINETIC_ENERGY", Columns { motion: true, ..NONE }),
+    ("MP_STRAIN_ENERGY", ENERGY),
+    ("MP_TOTAL_ENERGY", ENERGY),
+];
+const NONE: Columns = Columns { displacement: false, motion: false, stress: false, strain: false, volume: false };
+/// The strain is written where the stress is.
+const STRESS_AND_STRAIN: Columns = Columns { stress: true, strain: true, ..NONE };
+/// What the energies need.
+pub const ENERGY: Columns = Columns { motion: true, stress: true, strain: true, volume: true, displacement: false };
+
+/// Variables of material-point conditions.
+pub const CONDITION_VARIABLES: &[&str] =
+    &["MPC_COORD", "MPC_DISPLACEMENT", "MPC_VELOCITY", "MPC_ACCELERATION", "MPC_NORMAL", "MPC_AREA", "POINT_LOAD"];
+
+/// Names of the variables that points can show.
+pub fn names() -> impl Iterator<Item = &'static str> {
+    POINT_VARIABLES.iter().map(|(name, _)| *name)
+}
+
+/// Columns that a variable needs; none if points do not have it.
+pub fn columns_of(variable: &str) -> Option<Columns> {
+    POINT_VARIABLES.iter().find(|(name, _)| *name == variable).map(|(_, columns)| *columns)
+}
+
+impl Columns {
+    /// The columns of both.
+    #[must_use]
+    pub fn or(self, other: Columns) -> Columns {
+        Columns {
+            displacement: self.displacement || other.displacement,
+            motion: self.motion || other.motion,
+            stress: self.stress || other.stress,
+            strain: self.strain || other.strain,
+            volume: self.volume || other.volume,
+        }
+    }
+}
+
+/// The values of a variable at a point, appended to `out`; false if points do not have it.
+pub fn append(block: &Block, point: usize, variable: &str, out: &mut Vec<f64>) -> bool {
+    let mut vector = |row: &[f64]| out.extend((0..3).map(|i| row.get(i).copied().unwrap_or(0.0)));
+    match variable {
+        "MP_COORD" => vector(block.position.row(point)),
+        "MP_DISPLACEMENT" => vector(block.displacement.row(point)),
+        "MP_VELOCITY" => vector(block.velocity.row(point)),
+        "MP_ACCELERATION" => vector(block.acceleration.row(point)),
+        "MP_VOLUME_ACCELERATION" => vector(&block.body_acceleration),
+        "MP_CAUCHY_STRESS_VECTOR" => out.extend(block.stress.row(point)),
+        "MP_ALMANSI_STRAIN_VECTOR" => out.extend(block.strain.row(point)),
+        "MP_MASS" => out.extend(block.mass.row(point)),
+        "MP_VOLUME" => out.extend(block.volume.row(point)),
+        "MP_DENSITY" => out.push(block.mass.row(point)[0] / block.volume.row(point)[0]),
+        "MP_MATERIAL_ID" => out.push(f64::from(block.material)),
+        "MP_POTENTIAL_ENERGY" => out.push(energies(block, point).potential),
+        "MP_KINETIC_ENERGY" => out.push(energies(block, point).kinetic),
+        "MP_STRAIN_ENERGY" => out.push(energies(block, point).strain),
+        "MP_TOTAL_ENERGY" => out.push(energies(block, point).total()),
+        _ => return false,
+    }
+    true
+}
+
+/// The values of a variable at a condition, appended to `out`; false if conditions do not have it.
+pub fn append_condition(conditions: &PointConditions, index: usize, variable: &str, out: &mut Vec<f64>) -> bool {
+    match variable {
+        "MPC_COORD" => out.extend(conditions.position[index]),
+        "MPC_DISPLACEMENT" => out.extend(conditions.displacement[index]),
+        "MPC_VELOCITY" => out.extend(conditions.velocity[index]),
+        // Kratos never updates it.
+        "MPC_ACCELERATION" => out.extend([0.0; 3]),
+        "MPC_NORMAL" => out.extend(conditions.normal[index]),
+        "MPC_AREA" => out.push(conditions.area[index]),
+        "POINT_LOAD" => out.extend(conditions.load[index]),
+        _ => return false,
+    }
+    true
+}
+
+/// Energies in joules.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Energies {
+    /// Σ m |g| x, componentwise as in Kratos.
+    pub potential: f64,
+    /// ½ m v².
+    pub kinetic: f64,
+    /// ½ V σ:ε with the stored stress and strain.
+    pub strain: f64,
+}
+
+impl Energies {
+    /// Their sum.
+    pub fn total(&self) -> f64 {
+        self.potential + self.kinetic + self.strain
+    }
+}
+
+/// Energies of a point; those whose columns are not used are zero.
+pub fn energies(block: &Block, point: usize) -> Energies {
+    let mass = block.mass.row(point)[0];
+    let position = block.position.row(point);
+    let velocity = block.velocity.row(point);
+    let work: f64 = block.stress.row(point).iter().zip(block.strain.row(point)).map(|(s, e)| s * e).sum();
+    let volume = if block.volume.is_used() { block.volume.row(point)[0] } else { 0.0 };
+    Energies {
+        potential: position.iter().zip(block.body_acceleration).map(|(x, g)| mass * g.abs() * x).sum(),
+        kinetic: 0.5 * mass * velocity.iter().map(|v| v * v).sum::<f64>(),
+        strain: 0.5 * volume * work,
+    }
+}
+
+/// Energies of all points, of one body or of all.
+pub fn total_energies(points: &MaterialPoints, body: Option<usize>) -> Energies {
+    let mut sum = Energies::default();
+    for block in points.blocks.iter().filter(|block| body.is_none_or(|body| block.body == body)) {
+        for point in 0..block.len() {
+            let of_point = energies(block, point);
+            sum.potential += of_point.potential;
+            sum.kinetic += of_point.kinetic;
+            sum.strain += of_point.strain;
+        }
+    }
+    sum
+}
