@@ -27,8 +27,11 @@ pub struct LawEntry {
     /// The constants that it takes.
     pub variables: &'static [MaterialVariable],
     /// Makes the law from a material, or lists all the material's faults.
-    pub build: fn(&Properties, &Options) -> Result<Box<dyn Law>, Vec<Fault>>,
+    pub build: Build,
 }
+
+/// Makes a law from a material, or lists all the material's faults.
+pub type Build = fn(&Properties, &Options) -> Result<Box<dyn Law>, Vec<Fault>>;
 
 impl LawEntry {
     /// The entry of law `L` under `name` for elements of `kinematics`, without aliases.
@@ -133,16 +136,18 @@ impl Catalogue {
         properties: &Properties,
         kinematics: Kinematics,
         place: &Place,
-    ) -> Result<&LawEntry, Diagnostic> {
+    ) -> Result<&LawEntry, InputErrors> {
         let Some(name) = &properties.law else {
             let message = format!("the material with properties id {} names no constitutive law", properties.id);
             let names = self.names_for(kinematics).join(", ");
-            return Err(Diagnostic::error(place.clone(), message).help(format!("laws for {kinematics}: {names}")));
+            return Err(Diagnostic::error(place.clone(), message)
+                .help(format!("laws for {kinematics}: {names}"))
+                .into());
         };
         self.find(name).ok_or_else(|| {
             let message = format!("unknown constitutive law {name:?}");
             let names = self.entries.iter().flat_map(LawEntry::names);
-            Diagnostic::error(place.clone(), message).allowed(last_part(name), names)
+            Diagnostic::error(place.clone(), message).allowed(last_part(name), names).into()
         })
     }
 
