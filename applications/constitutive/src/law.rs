@@ -13,9 +13,9 @@ pub struct Deformation {
     pub gradient: Matrix3<f64>,
     /// Total deformation gradient at the start of the step.
     pub previous: Matrix3<f64>,
-    /// Length of the step [s]; 0 in statics.
+    /// Length of the step (s); 0 in statics.
     pub time_step: f64,
-    /// Mean stress interpolated from the nodes [Pa], tension positive; only mixed u-p elements have it.
+    /// Mean stress interpolated from the nodes (Pa), tension positive; only mixed u-p elements have it.
     pub pressure: Option<f64>,
 }
 
@@ -29,7 +29,7 @@ impl Deformation {
 /// A constitutive law at one point, in three dimensions.
 ///
 /// With Kirchhoff stress τ = J σ, J = det F of [`Deformation::gradient`]:
-/// - the *stress* is the Cauchy stress σ [Pa]; the element integrates it over V = V₀ J;
+/// - the *stress* is the Cauchy stress σ (Pa); the element integrates it over V = V₀ J;
 /// - the *tangent* is c with Lᵥτ = J c : d, where Lᵥτ = τ̇ − l τ − τ lᵀ is the Lie derivative,
 ///   l = Ḟ F⁻¹ and d = sym l. The element adds the geometric part, K = V (Bᵀ c B + ∇N σ ∇Nᵀ).
 ///
@@ -75,10 +75,10 @@ pub trait ConstitutiveLaw: Sized + Send + Sync + 'static {
     /// Strain for output, shear doubled; each law says which measure.
     fn strain(&self, deformation: &Deformation) -> Voigt;
 
-    /// Speed of the fastest small wave in the undeformed material [m/s]; `density` in kg/m³.
+    /// Speed of the fastest small wave in the undeformed material (m/s); `density` in kg/m³.
     fn wave_speed(&self, density: f64) -> f64;
 
-    /// Strain energy per reference volume [J/m³], where the law has one.
+    /// Strain energy per reference volume (J/m³), where the law has one.
     fn energy(&self, _deformation: &Deformation) -> Option<f64> {
         None
     }
@@ -92,9 +92,9 @@ pub trait ConstitutiveLaw: Sized + Send + Sync + 'static {
 /// Stress and tangent at one point.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Response {
-    /// Cauchy stress [Pa].
+    /// Cauchy stress (Pa).
     pub stress: Voigt,
-    /// Spatial tangent [Pa], already divided by J.
+    /// Spatial tangent (Pa), already divided by J.
     pub tangent: Tangent,
 }
 

@@ -208,7 +208,7 @@ fn fault_of(properties: &Properties, variable: MaterialVariable) -> Option<Fault
     Some(Fault::WrongType { variable, found })
 }
 
-/// Lamé's parameters of an isotropic solid at small strain [Pa].
+/// Lamé's parameters of an isotropic solid at small strain (Pa).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LameParameters {
     /// λ = E ν/((1 + ν)(1 − 2ν)).
@@ -234,7 +234,7 @@ impl LameParameters {
         })
     }
 
-    /// From Young's modulus [Pa] and Poisson's ratio.
+    /// From Young's modulus (Pa) and Poisson's ratio.
     pub fn from_engineering(young: f64, poisson: f64) -> Self {
         Self {
             lambda: young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson)),
@@ -242,7 +242,7 @@ impl LameParameters {
         }
     }
 
-    /// Speed of pressure waves √((λ + 2μ)/ρ) [m/s]; `density` in kg/m³.
+    /// Speed of pressure waves √((λ + 2μ)/ρ) (m/s); `density` in kg/m³.
     pub fn pressure_wave_speed(self, density: f64) -> f64 {
         ((self.lambda + 2.0 * self.mu) / density).sqrt()
     }

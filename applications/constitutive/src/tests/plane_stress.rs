@@ -43,6 +43,16 @@ fn adaptor_frees_the_neo_hookean_solid_across_the_plane() {
     }
 }
 
+/// From a first guess of F33 = 1/e the slope dτ33/d(ln F33) of Saint-Venant–Kirchhoff points away.
+#[test]
+fn adaptor_turns_back_from_a_bad_first_guess() {
+    let law = PlaneStress(LinearElastic::from_lame(lame(1e6, 0.3)));
+    let closed = LinearElasticPlaneStress::from_lame(lame(1e6, 0.3));
+    let f = plane_samples()[1];
+    let stress = law.stress(&at(f), &mut -1.0).unwrap();
+    assert_stresses_agree(&stress, &closed.stress(&at(f), &mut ()).unwrap(), ALL, 1e-12 * 1e6);
+}
+
 /// Stretched twofold both ways, Saint-Venant–Kirchhoff needs E33 < −½, which no F33 has.
 #[test]
 fn adaptor_says_when_no_thickness_exists() {

@@ -1,7 +1,7 @@
 //! Exact values: extreme strain, tiny strain, closed forms, Kratos's tangent, errors.
 
 use super::*;
-use crate::LawError;
+use crate::{LawError, tensor};
 
 /// Rows of refs/stiff_extreme/constitutive_extreme.csv, confined uniaxial strain F11 = F:
 /// E, ν, F, P11 and W of neo-Hookean, P11 of Saint-Venant–Kirchhoff. Twelve digits.
@@ -51,12 +51,43 @@ fn tiny_strains_keep_their_digits() {
     }
 }
 
+/// J = 1 − ε² rounds to 1 for ε = 2⁻³⁰; its logarithm must not vanish.
+#[test]
+fn logarithm_of_the_volume_ratio_sees_what_the_ratio_loses() {
+    let size = 2.0_f64.powi(-30);
+    let f = Matrix3::from_diagonal(&Vector3::new(1.0 + size, 1.0 - size, 1.0));
+    assert_eq!(f.determinant(), 1.0);
+    let log = tensor::log_volume_ratio(&f, 1.0);
+    assert!((log / -(size * size) - 1.0).abs() < 1e-15, "{log:e}");
+}
+
+/// Voigt stress · Voigt strain is the contraction of the tensors, with both measures from their
+/// definitions ½(FᵀF − I) and ½(I − (FFᵀ)⁻¹).
+#[test]
+fn strain_measures_follow_their_definitions_and_contract_with_stresses() {
+    let identity = Matrix3::identity();
+    for f in samples() {
+        let definitions = [
+            (tensor::green_lagrange_strain(&f), 0.5 * (f.transpose() * f - identity)),
+            (tensor::almansi_strain(&f), 0.5 * (identity - (f * f.transpose()).try_inverse().unwrap())),
+        ];
+        let stress = Matrix3::new(1.0, 4.0, 6.0, 4.0, 2.0, 5.0, 6.0, 5.0, 3.0);
+        for (strain, definition) in definitions {
+            assert!((strain - definition).norm() < 1e-14 * (1.0 + definition.norm()));
+            let pairs = stress_to_voigt(&stress).into_iter().zip(tensor::strain_to_voigt(&strain));
+            let work: f64 = pairs.map(|(a, b)| a * b).sum();
+            assert!((work - stress.dot(&definition)).abs() < 1e-13 * (1.0 + definition.norm()));
+        }
+        assert_eq!(stress_from_voigt(&stress_to_voigt(&stress)), stress);
+    }
+}
+
 /// ln J has one formula near 1 and another away from it; they must meet.
 #[test]
 fn logarithm_of_the_volume_ratio_is_seamless() {
     for jacobian in [0.5, 0.749, 0.751, 0.9, 1.1, 1.249, 1.251, 3.0_f64] {
         let f = Matrix3::new(1.0, 0.4, 0.0, 0.0, jacobian, 0.0, 0.3, 0.0, 1.0);
-        let log = crate::tensor::log_volume_ratio(&f, f.determinant());
+        let log = tensor::log_volume_ratio(&f, f.determinant());
         assert!((log - jacobian.ln()).abs() < 1e-15, "{jacobian}: {log}");
     }
 }
