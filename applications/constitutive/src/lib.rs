@@ -1,1 +1,35 @@
-//! Laws.
+//! Constitutive laws, each written once in three dimensions and shared by all applications.
+//!
+//! A law's author implements [`ConstitutiveLaw`]: constants in, Cauchy stress and spatial tangent
+//! out. Elements see the object-safe [`Law`], one dynamic call per batch of points; a blanket
+//! implementation joins the two. [`Kinematics`] picks the components that a plane or axisymmetric
+//! element needs from the three-dimensional answer. The [`Catalogue`] finds a law by the name that
+//! stands in a materials file and checks the material's constants.
+//!
+//! Voigt order throughout: xx, yy, zz, xy, yz, xz. SI units.
+
+mod catalogue;
+mod error;
+mod kinematics;
+mod law;
+mod linear_elastic;
+mod material;
+mod neo_hookean;
+mod plane_stress;
+pub mod tensor;
+pub mod verify;
+
+pub use catalogue::{Build, Catalogue, DuplicateLaw, LawEntry, catalogue};
+pub use error::LawError;
+pub use kinematics::Kinematics;
+pub use law::{ConstitutiveLaw, Deformation, Law, Response, Want};
+pub use linear_elastic::{LinearElastic, LinearElasticPlaneStress};
+pub use material::{
+    DENSITY, Fault, LameParameters, Material, MaterialVariable, Options, POISSON_RATIO, Range, YOUNG_MODULUS, check,
+};
+pub use neo_hookean::NeoHookean;
+pub use plane_stress::PlaneStress;
+pub use tensor::{Tangent, Voigt};
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,238 @@
+//! The laws by the names that stand in materials files.
+//!
+//! Kratos names a law together with its kinematics; each such name is one [`LawEntry`]. Another
+//! crate adds its own: `catalogue.register(LawEntry::of::<MyLaw>("MyLaw3D", &[ThreeDimensional]))`.
+
+use bia_kernel::diagnostic::{Diagnostic, InputErrors, Place};
+use bia_kernel::model::Properties;
+use thiserror::Error;
+
+use crate::{
+    ConstitutiveLaw, Fault, Kinematics, Law, Material, MaterialVariable, Options, linear_elastic, neo_hookean,
+};
+
+/// A law under one name.
+#[derive(Debug, Clone, Copy)]
+pub struct LawEntry {
+    /// Name in materials files.
+    pub name: &'static str,
+    /// Other names for the same entry.
+    pub aliases: &'static [&'static str],
+    /// Name of the law itself, which it shares with its entries for other kinematics.
+    pub law: &'static str,
+    /// Elements that may use it under this name.
+    pub kinematics: &'static [Kinematics],
+    /// The law in one sentence.
+    pub help: &'static str,
+    /// The constants that it takes.
+    pub variables: &'static [MaterialVariable],
+    /// Makes the law from a material, or lists all the material's faults.
+    pub build: Build,
+}
+
+/// Makes a law from a material, or lists all the material's faults.
+pub type Build = fn(&Properties, &Options) -> Result<Box<dyn Law>, Vec<Fault>>;
+
+impl LawEntry {
+    /// The entry of law `L` under `name` for elements of `kinematics`, without aliases.
+    pub const fn of<L: ConstitutiveLaw>(name: &'static str, kinematics: &'static [Kinematics]) -> Self {
+        Self { name, aliases: &[], law: L::NAME, kinematics, help: L::HELP, variables: L::VARIABLES, build: build::<L> }
+    }
+
+    /// The same entry under further names.
+    #[must_use]
+    pub const fn also(self, aliases: &'static [&'static str]) -> Self {
+        Self { aliases, ..self }
+    }
+
+    /// Its name and aliases.
+    pub fn names(&self) -> impl Iterator<Item = &'static str> {
+        std::iter::once(self.name).chain(self.aliases.iter().copied())
+    }
+}
+
+fn build<L: ConstitutiveLaw>(properties: &Properties, options: &Options) -> Result<Box<dyn Law>, Vec<Fault>> {
+    let material = Material::new(properties, options, L::VARIABLES)?;
+    let law = L::new(&material).map_err(|fault| vec![fault])?;
+    Ok(Box::new(law))
+}
+
+/// A name was registered before.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("a constitutive law named {0} is registered already; give the new one another name")]
+pub struct DuplicateLaw(
+    /// The name.
+    pub &'static str,
+);
+
+/// The laws that a run may name, in the order of their registration.
+#[derive(Debug, Clone, Default)]
+pub struct Catalogue {
+    entries: Vec<LawEntry>,
+}
+
+/// The laws of this crate; a new law adds its line here.
+pub fn catalogue() -> Catalogue {
+    let entries = [
+        linear_elastic::entries(), //
+        neo_hookean::entries(),
+    ];
+    Catalogue { entries: entries.concat() }
+}
+
+impl Catalogue {
+    /// Adds a law.
+    ///
+    /// # Errors
+    /// The name, or one of the aliases, is taken.
+    pub fn register(&mut self, entry: LawEntry) -> Result<(), DuplicateLaw> {
+        if let Some(name) = entry.names().find(|name| self.find(name).is_some()) {
+            return Err(DuplicateLaw(name));
+        }
+        self.entries.push(entry);
+        Ok(())
+    }
+
+    /// All entries.
+    pub fn entries(&self) -> &[LawEntry] {
+        &self.entries
+    }
+
+    /// The entry of this name or alias. Of a dotted path, such as
+    /// `KratosMultiphysics.MPMApplication.Name`, the last part counts.
+    pub fn find(&self, name: &str) -> Option<&LawEntry> {
+        let last = last_part(name);
+        self.entries.iter().find(|entry| entry.names().any(|other| other == last))
+    }
+
+    /// The law that `properties` names, for elements of `kinematics`; `place` is that of the
+    /// material's values.
+    ///
+    /// # Errors
+    /// No law is named, the name is unknown or belongs to other kinematics, or constants are at
+    /// fault: all of these together, as far as they can be judged.
+    pub fn build(
+        &self,
+        properties: &Properties,
+        kinematics: Kinematics,
+        options: &Options,
+        place: &Place,
+    ) -> Result<Box<dyn Law>, InputErrors> {
+        let entry = self.entry_of(properties, kinematics, place)?;
+        let mut errors = InputErrors::default();
+        if !entry.kinematics.contains(&kinematics) {
+            errors.push(self.wrong_kinematics(entry, kinematics, place));
+        }
+        let built = (entry.build)(properties, options)
+            .map_err(|faults| InputErrors(faults.iter().map(|fault| fault.diagnostic(place)).collect()));
+        match errors.absorb(built) {
+            Some(law) if !errors.any_error() => Ok(law),
+            _ => Err(errors),
+        }
+    }
+
+    fn entry_of(
+        &self,
+        properties: &Properties,
+        kinematics: Kinematics,
+        place: &Place,
+    ) -> Result<&LawEntry, InputErrors> {
+        let Some(name) = &properties.law else {
+            let message = format!("the material with properties id {} names no constitutive law", properties.id);
+            let names = self.names_for(kinematics).join(", ");
+            return Err(Diagnostic::error(place.clone(), message)
+                .help(format!("laws for {kinematics}: {names}"))
+                .into());
+        };
+        self.find(name).ok_or_else(|| {
+            let message = format!("unknown constitutive law {name:?}");
+            let names = self.entries.iter().flat_map(LawEntry::names);
+            Diagnostic::error(place.clone(), message).allowed(last_part(name), names).into()
+        })
+    }
+
+    fn wrong_kinematics(&self, entry: &LawEntry, kinematics: Kinematics, place: &Place) -> Diagnostic {
+        let made_for: Vec<&str> = entry.kinematics.iter().map(|kind| kind.name()).collect();
+        let message = format!(
+            "the constitutive law {} is for {} elements, but these elements are {kinematics}",
+            entry.name,
+            made_for.join(" or ")
+        );
+        let sibling = self.entries.iter().find(|e| e.law == entry.law && e.kinematics.contains(&kinematics));
+        let help = match sibling {
+            Some(sibling) => format!("use {}", sibling.name),
+            None => format!("laws for {kinematics}: {}", self.names_for(kinematics).join(", ")),
+        };
+        Diagnostic::error(place.clone(), message).help(help)
+    }
+
+    fn names_for(&self, kinematics: Kinematics) -> Vec<&'static str> {
+        self.entries.iter().filter(|e| e.kinematics.contains(&kinematics)).map(|e| e.name).collect()
+    }
+}
+
+fn last_part(name: &str) -> &str {
+    name.rsplit('.').next().unwrap_or(name)
+}
+
+#[cfg(test)]
+mod tests {
+    use bia_kernel::model::Value;
+
+    use super::*;
+
+    fn rubber(law: &str) -> Properties {
+        let numbers = [("DENSITY", 1000.0), ("YOUNG_MODULUS", 1e6), ("POISSON_RATIO", 0.3)];
+        let values = numbers.map(|(name, number)| (name.to_owned(), Value::Number(number))).into();
+        Properties { law: Some(law.into()), values, ..Default::default() }
+    }
+
+    fn build(properties: &Properties, kinematics: Kinematics) -> Result<Box<dyn Law>, String> {
+        catalogue()
+            .build(properties, kinematics, &Options::default(), &Place::default())
+            .map_err(|errors| errors.to_string())
+    }
+
+    #[test]
+    fn names_are_unique_and_each_entry_builds_for_its_kinematics() {
+        let all = catalogue();
+        let mut again = Catalogue::default();
+        for entry in all.entries() {
+            again.register(*entry).unwrap();
+            for &kinematics in entry.kinematics {
+                let dotted = format!("KratosMultiphysics.MPMApplication.{}", entry.name);
+                assert_eq!(build(&rubber(&dotted), kinematics).unwrap().name(), entry.law);
+            }
+        }
+        let taken = LawEntry { name: "Other", aliases: &["HyperElasticNeoHookean3DLaw"], ..all.entries()[0] };
+        assert_eq!(again.register(taken), Err(DuplicateLaw("HyperElasticNeoHookean3DLaw")));
+    }
+
+    #[test]
+    fn aliases_find_their_entry() {
+        let mut all = catalogue();
+        let entry = LawEntry { name: "Rubber", ..all.entries()[0] }.also(&["Gum"]);
+        all.register(entry).unwrap();
+        assert_eq!(all.find("Some.Gum").map(|entry| entry.name), Some("Rubber"));
+    }
+
+    #[test]
+    fn unknown_names_get_the_nearest() {
+        let error = build(&rubber("HyperElasticNeoHookeanPlainStrain2DLaw"), Kinematics::PlaneStrain).err().unwrap();
+        assert!(error.contains("did you mean \"HyperElasticNeoHookeanPlaneStrain2DLaw\""), "{error}");
+        let nameless = Properties { law: None, id: 7, ..rubber("") };
+        let error = build(&nameless, Kinematics::Axisymmetric).err().unwrap();
+        assert!(error.contains("id 7") && error.contains("HyperElasticNeoHookeanAxisym2DLaw"), "{error}");
+        assert!(!error.contains("3DLaw"), "{error}");
+    }
+
+    #[test]
+    fn wrong_kinematics_and_wrong_constants_are_reported_together() {
+        let mut material = rubber("HyperElasticNeoHookean3DLaw");
+        material.values.remove("DENSITY");
+        let error = build(&material, Kinematics::PlaneStrain).err().unwrap();
+        assert!(error.contains("is for three-dimensional elements, but these elements are plane strain"), "{error}");
+        assert!(error.contains("use HyperElasticNeoHookeanPlaneStrain2DLaw"), "{error}");
+        assert!(error.contains("DENSITY is missing"), "{error}");
+    }
+}
