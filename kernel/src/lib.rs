@@ -5,6 +5,7 @@
 //! (modelers, processes, solvers) through the [`registry`].
 
 pub mod diagnostic;
+pub mod expression;
 pub mod geometry;
 pub mod io;
 pub mod model;

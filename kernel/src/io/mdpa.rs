@@ -6,8 +6,8 @@
 //! be told from its neighbours. Everything else is Kratos's grammar, read strictly: a number is
 //! read whole or refused, and nothing that was not understood is passed over.
 //!
-//! Reading takes two passes. [`blocks`](self) turn the text into lists that still hold ids and
-//! lines; then ids become indices, once all nodes and cells are known and sorted. So the order of
+//! Reading takes two passes. The first turns blocks into lists that still hold ids and lines; then
+//! ids become indices, once all nodes and cells are known and sorted. So the order of
 //! blocks is free (Kratos wants nodes and properties before their use).
 //!
 //! Contents of `ModelPartData` and `SubModelPartData` are checked and dropped, the legacy block
