@@ -1,1 +1,3 @@
 //! Files: mesh input, results for ParaView and for machines.
+
+pub mod mdpa;

@@ -4,9 +4,11 @@
 //! lists indices into them. Names and ids live at the edges (input, output): inside there are
 //! indices.
 
+mod order;
 mod part;
 mod properties;
 
+pub use order::kratos_order;
 pub use part::{Cells, ModelPart, Nodes, SubModelPart};
 pub use properties::{Properties, Table, Value};
 

@@ -86,6 +86,7 @@ impl Implicit {
             catalogue: &self.catalogue,
             locator: &locator,
             kinematics,
+            dynamic: self.settings.regime == Regime::Dynamic,
             columns,
             kratos_exact: self.options.kratos_exact,
             part: &self.settings.part,

@@ -170,6 +170,8 @@ pub struct MaterialPoints {
     pub name: String,
     /// Kinematics of the scene.
     pub kinematics: Kinematics,
+    /// The points have inertia.
+    pub dynamic: bool,
     /// Names of the bodies: the first-level parts of the initial model part.
     pub bodies: Vec<String>,
     /// Blocks, by body and material, in the order of their first ids.

@@ -24,6 +24,8 @@ pub struct Plan<'a> {
     pub locator: &'a CellLocator,
     /// Kinematics of the scene.
     pub kinematics: Kinematics,
+    /// The points have inertia.
+    pub dynamic: bool,
     /// Columns to allocate.
     pub columns: Columns,
     /// Reproduce Kratos to round-off.
@@ -44,6 +46,7 @@ pub fn generate(plan: &Plan) -> Result<MaterialPoints, InputErrors> {
     let mut points = MaterialPoints {
         name: plan.part.into(),
         kinematics: plan.kinematics,
+        dynamic: plan.dynamic,
         bodies: Vec::new(),
         blocks: Vec::new(),
         conditions: PointConditions::default(),
