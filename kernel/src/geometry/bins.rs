@@ -39,7 +39,10 @@ impl Bins {
             return bins;
         }
         for i in 0..mesh.dimension {
-            bins.counts[i] = (((high[i] - low[i]) * searched as f64 / size[i]).round() as usize).clamp(1, 1 << 20);
+            // Half a bin beyond the mesh, lest the bins' walls be the grid lines of an even mesh.
+            let bin = size[i] / searched as f64;
+            (bins.low[i], bins.high[i]) = (low[i] - 0.5 * bin, high[i] + 0.5 * bin);
+            bins.counts[i] = (((high[i] - low[i]) / bin).round() as usize).clamp(1, 1 << 20) + 1;
         }
         while bins.product() > BINS_PER_CELL * searched + 64 {
             bins.coarsen();

@@ -9,8 +9,12 @@ use std::array::from_fn;
 /// a corner where det J vanishes, where each step only halves the error.
 const STEPS: usize = 60;
 
-/// A step below this is the last one: the next would be below the rounding error.
-const LAST_STEP: f64 = 1e-12;
+/// Newton's method ends when the next step is expected to be below this.
+const ROUNDING: f64 = 1e-17;
+
+/// Steps below this that no longer shrink are the end too: where det J vanishes, rounding leaves
+/// the local coordinates no more digits.
+const SINGULAR: f64 = 1e-6;
 
 /// Local coordinates of `x` in the cell with these corners, to machine precision: one linear solve
 /// for simplices, Newton's method from ξ = 0 for the others.
@@ -24,6 +28,7 @@ pub fn inverse_map<S: CellShape<D, N>, const D: usize, const N: usize>(
     // Measured from x, so that the residual is as exact far from the origin as near it.
     let relative: [[f64; D]; N] = from_fn(|a| from_fn(|i| corners[a][i] - x[i]));
     let mut xi = [0.0; D];
+    let mut previous = f64::INFINITY;
     for _ in 0..STEPS {
         let functions = S::functions(&xi);
         let mut residual = [0.0; D];
@@ -33,22 +38,22 @@ pub fn inverse_map<S: CellShape<D, N>, const D: usize, const N: usize>(
             }
         }
         let (adjugate, determinant) = adjugate(&jacobian(&relative, &S::gradients(&xi)));
-        let mut step = 0f64;
-        for j in 0..D {
-            let mut delta = 0.0;
-            for i in 0..D {
-                delta += adjugate[j][i] * residual[i];
-            }
-            delta /= determinant;
-            if !delta.is_finite() {
-                return None;
-            }
-            xi[j] -= delta;
-            step = step.max(delta.abs() / xi[j].abs().max(1.0));
-        }
-        if S::SHAPE.is_affine() || step <= LAST_STEP {
+        let delta: [f64; D] = from_fn(|j| (0..D).map(|i| adjugate[j][i] * residual[i]).sum::<f64>() / determinant);
+        let step = (0..D).fold(0.0, |step, j| (delta[j].abs() / xi[j].abs().max(1.0)).max(step));
+        let finite = delta.iter().all(|d| d.is_finite());
+        if previous <= SINGULAR && !(finite && step < previous) {
             return Some(xi);
         }
+        if !finite {
+            return None;
+        }
+        (0..D).for_each(|j| xi[j] -= delta[j]);
+        // Errors go as C e², and C shows in the last two steps; it is about 1 in usual cells.
+        let constant = (step / (previous * previous)).max(1.0);
+        if S::SHAPE.is_affine() || constant * step * step <= ROUNDING {
+            return Some(xi);
+        }
+        previous = step;
     }
     None
 }

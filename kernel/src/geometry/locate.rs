@@ -80,43 +80,50 @@ impl CellLocator {
     #[inline(never)]
     fn search(&self, x: [f64; 3], hint: Option<u32>) -> Option<(u32, [f64; 3])> {
         match &self.search {
-            Search::Regular(regular) => {
-                let candidates = regular.candidates(x);
-                let mut lowest = None;
-                for &cell in candidates.as_slice() {
-                    let Some(xi) = self.mesh.local_coordinates(cell as usize, x) else { continue };
-                    if hint.is_none_or(|hint| self.mesh.share_node(hint as usize, cell as usize)) {
-                        return Some((cell, xi));
-                    }
-                    lowest = lowest.or(Some((cell, xi)));
-                }
-                lowest
-            }
+            Search::Regular(regular) => self.among(regular.candidates(x).as_slice(), x, hint),
             Search::General { starts, cells, bins } => {
-                if let Some(hint) = hint
-                    && let Some(found) = self.among_neighbours(hint, x, starts, cells)
-                {
-                    return Some(found);
+                let candidates = bins.candidates(x);
+                // The bin answers alone; where a graded mesh crowds it, the neighbours are fewer.
+                if let Some(hint) = hint {
+                    let around =
+                        |&node: &u32| &cells[starts[node as usize] as usize..starts[node as usize + 1] as usize];
+                    let lists = || self.mesh.nodes_of(hint as usize).iter().map(around);
+                    if lists().map(<[u32]>::len).sum::<usize>() < candidates.len()
+                        && let Some(found) = self.lowest(lists(), x)
+                    {
+                        return Some(found);
+                    }
                 }
-                let found = |&cell: &u32| self.mesh.local_coordinates(cell as usize, x).map(|xi| (cell, xi));
-                bins.candidates(x).iter().find_map(found)
+                self.among(candidates, x, hint)
             }
         }
     }
 
-    /// The lowest cell with a node of `hint` that holds `x`.
-    fn among_neighbours(&self, hint: u32, x: [f64; 3], starts: &[u32], cells: &[u32]) -> Option<(u32, [f64; 3])> {
+    /// The first of the ascending `candidates` that holds `x` and touches the hint, or else the
+    /// first that holds `x`.
+    #[inline]
+    fn among(&self, candidates: &[u32], x: [f64; 3], hint: Option<u32>) -> Option<(u32, [f64; 3])> {
+        let mut lowest = None;
+        for &cell in candidates {
+            let Some(xi) = self.mesh.local_coordinates(cell as usize, x) else { continue };
+            if hint.is_none_or(|hint| self.mesh.share_node(hint as usize, cell as usize)) {
+                return Some((cell, xi));
+            }
+            lowest = lowest.or(Some((cell, xi)));
+        }
+        lowest
+    }
+
+    /// The lowest cell of several ascending lists that holds `x`.
+    fn lowest<'a>(&self, lists: impl Iterator<Item = &'a [u32]>, x: [f64; 3]) -> Option<(u32, [f64; 3])> {
         let mut lowest = None;
         let mut below = u32::MAX;
-        for &node in self.mesh.nodes_of(hint as usize) {
-            let around = &cells[starts[node as usize] as usize..starts[node as usize + 1] as usize];
-            for &cell in around {
+        for list in lists {
+            for &cell in list {
                 if cell >= below {
                     break;
                 }
-                if cell != hint
-                    && let Some(xi) = self.mesh.local_coordinates(cell as usize, x)
-                {
+                if let Some(xi) = self.mesh.local_coordinates(cell as usize, x) {
                     (lowest, below) = (Some((cell, xi)), cell);
                 }
             }

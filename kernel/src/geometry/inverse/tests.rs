@@ -61,6 +61,16 @@ fn points_off_a_surface_are_projected_along_its_normal() {
 }
 
 #[test]
+fn a_straight_corner_of_a_quadrilateral_can_be_mapped() {
+    // Node 2 in the middle between nodes 1 and 3: det J = 0 there, where rounding halves the digits.
+    let corners = [[0.0, 0.0], [2.0, 0.0], [1.0, 1.0], [0.0, 2.0]];
+    for (x, xi, limit) in [([1.0, 1.0], [1.0, 1.0], 1e-6), ([1.5, 0.5], [1.0, 0.0], 1e-14)] {
+        let found = inverse_map::<Quadrilateral4, 2, 4>(&corners, &x).expect("converges");
+        assert!((0..2).all(|i| (found[i] - xi[i]).abs() < limit), "{found:?}");
+    }
+}
+
+#[test]
 fn degenerate_cells_and_wrong_numbers_of_corners_have_no_local_coordinates() {
     for shape in Shape::ALL {
         assert_eq!(local_coordinates(shape, &vec![[1.0; 3]; shape.node_count()], [0.0; 3]), None, "{shape:?}");

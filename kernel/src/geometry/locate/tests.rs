@@ -147,6 +147,18 @@ fn distorted_mixed_and_simplex_meshes() {
 }
 
 #[test]
+fn graded_meshes_crowd_their_bins_and_are_searched_around_the_hint() {
+    let mut random = Random(27);
+    let graded: Vec<f64> = (0..14).map(|i| 1.7f64.powi(i) - 1.0).collect();
+    let (coordinates, cells) = tensor(&[graded.clone(), graded]);
+    let mesh = (coordinates, simplices(&cells));
+    let locator = CellLocator::new(&part(mesh.0.clone(), &mesh.1), TOLERANCE);
+    let Search::General { bins, .. } = &locator.search else { panic!("not a regular grid") };
+    assert!(bins.candidates([0.5, 0.5, 0.0]).len() > 50, "{}", locator.describe());
+    agrees(&mut random, mesh, false);
+}
+
+#[test]
 fn grids_with_hanging_nodes_or_cells_twice_are_not_regular() {
     let mut random = Random(25);
     let (coordinates, mut cells) = grid(&mut random, &[4, 4], true);
