@@ -1,5 +1,24 @@
 //! Cell shapes, their functions and rules, and the search for the cell that holds a point.
+//!
+//! [`Shape`] answers by value, for set-up and output; [`CellShape`] answers by type, for hot
+//! loops. Both have the same nodes, functions and reference cells.
 
+mod bins;
+mod cell;
+mod check;
+mod inverse;
+mod locate;
+mod quadrature;
+mod regular;
+mod search_mesh;
 mod shape;
 
+pub use cell::{CellShape, Hexahedron8, Line2, Quadrilateral4, Tetrahedron4, Triangle3, physical_gradients};
+pub use check::{CellFault, check_cells};
+pub use inverse::{inverse_map, local_coordinates};
+pub use locate::CellLocator;
+pub use quadrature::{QuadraturePoint, UnsupportedCount, allowed_counts, rule};
 pub use shape::Shape;
+
+#[cfg(test)]
+mod testing;
