@@ -123,3 +123,47 @@ impl LinearSolver for Automatic {
         chain.solve(a, rhs, x)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::test_systems::{elastic_box, random_system, set, vector};
+    use crate::{Method, solver};
+
+    fn automatic(symmetric: bool, dimension: usize) -> Method {
+        Method::Automatic { symmetric, dimension, tolerance: 1e-9 }
+    }
+
+    #[test]
+    fn the_choice_follows_size_dimension_and_symmetry() {
+        let (small, large) = (elastic_box(3, 1.0), elastic_box(9, 1.0));
+        for (a, symmetric, dimension, expected) in [
+            (&small, true, 3, "Cholesky"),
+            (&large, true, 2, "Cholesky"),
+            (&large, true, 3, "conjugate gradients"),
+            (&small, false, 3, "LU"),
+            (&large, false, 3, "BiCGSTAB"),
+        ] {
+            let mut solver = solver(automatic(symmetric, dimension));
+            let b = vector(a.pattern.order(), 1);
+            let report = solver.solve(a, &b, &mut vec![0.0; b.len()]).unwrap();
+            assert!(report.residual <= 1e-9 && report.note.is_none());
+            assert!(solver.name().contains(expected), "{}", solver.name());
+        }
+    }
+
+    #[test]
+    fn fall_backs_are_reported() {
+        let mut large = elastic_box(9, 1.0);
+        let mut small = random_system(2, 20, true, 1);
+        for (a, failed) in [(&mut large, "conjugate gradients"), (&mut small, "Cholesky")] {
+            set(a, 7, 7, -5.0);
+            let b = vector(a.pattern.order(), 1);
+            let report = solver(automatic(true, 3)).solve(a, &b, &mut vec![0.0; b.len()]).unwrap();
+            let note = report.note.unwrap();
+            assert!(note.contains(failed) && note.contains("solved by sparse L D L^T"), "{note}");
+            assert!(note.contains("degree of freedom 7"), "{note}");
+            assert!(report.residual < 1e-12);
+            assert_eq!(report.negative_pivots, Some(1));
+        }
+    }
+}

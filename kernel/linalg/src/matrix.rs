@@ -69,7 +69,10 @@ impl BlockMatrix {
     /// If `constrained` or `rhs` does not have [`BlockPattern::order`] entries.
     pub fn constrain(&mut self, constrained: &[bool], rhs: &mut [f64]) {
         let (pattern, block) = (Arc::clone(&self.pattern), self.pattern.block());
-        assert!(constrained.len() == pattern.order() && rhs.len() == constrained.len(), "mask and matrix differ in size");
+        assert!(
+            constrained.len() == pattern.order() && rhs.len() == constrained.len(),
+            "mask and matrix differ in size"
+        );
         let diagonal = self.mean_diagonal(|dof| !constrained[dof]);
         let touched: Vec<bool> = constrained.chunks_exact(block).map(|node| node.contains(&true)).collect();
         for row in 0..pattern.rows() {

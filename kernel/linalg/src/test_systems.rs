@@ -43,9 +43,10 @@ pub fn in_pools<T: Send>(work: impl Fn() -> T + Sync) -> Vec<T> {
 pub fn dense(matrix: &BlockMatrix) -> DMatrix<f64> {
     let block = matrix.pattern.block();
     DMatrix::from_fn(matrix.pattern.order(), matrix.pattern.order(), |i, j| {
-        matrix.pattern.position(i / block, j / block).map_or(0.0, |entry| {
-            matrix.values[entry as usize * block * block + i % block * block + j % block]
-        })
+        matrix
+            .pattern
+            .position(i / block, j / block)
+            .map_or(0.0, |entry| matrix.values[entry as usize * block * block + i % block * block + j % block])
     })
 }
 
@@ -60,8 +61,7 @@ pub fn set(matrix: &mut BlockMatrix, i: usize, j: usize, value: f64) {
 /// definite if symmetric).
 pub fn random_system(block: usize, n: usize, symmetric: bool, seed: u64) -> BlockMatrix {
     let mut random = Random::new(seed);
-    let cliques: Vec<[u32; 3]> =
-        (0..n).map(|i| [i as u32, ((i + 1) % n) as u32, random.below(n) as u32]).collect();
+    let cliques: Vec<[u32; 3]> = (0..n).map(|i| [i as u32, ((i + 1) % n) as u32, random.below(n) as u32]).collect();
     let pattern = Arc::new(BlockPattern::from_cliques(block, n, cliques.iter().map(|clique| &clique[..])));
     let mut matrix = BlockMatrix::new(pattern);
     matrix.values.fill_with(|| random.signed());
@@ -101,8 +101,12 @@ pub fn laplacian(n: usize) -> BlockMatrix {
 pub fn elastic_box(nodes: usize, courant: f64) -> BlockMatrix {
     let node = |i: usize, j: usize, k: usize| ((i * nodes + j) * nodes + k) as u32;
     let mut cells = Vec::new();
-    for (i, j, k) in (0..(nodes - 1).pow(3)).map(|c| (c / (nodes - 1).pow(2), c / (nodes - 1) % (nodes - 1), c % (nodes - 1))) {
-        cells.push([0, 1, 2, 3, 4, 5, 6, 7].map(|corner| node(i + (corner >> 2), j + (corner >> 1 & 1), k + (corner & 1))));
+    for (i, j, k) in
+        (0..(nodes - 1).pow(3)).map(|c| (c / (nodes - 1).pow(2), c / (nodes - 1) % (nodes - 1), c % (nodes - 1)))
+    {
+        cells.push(
+            [0, 1, 2, 3, 4, 5, 6, 7].map(|corner| node(i + (corner >> 2), j + (corner >> 1 & 1), k + (corner & 1))),
+        );
     }
     let pattern = Arc::new(BlockPattern::from_cliques(3, nodes.pow(3), cells.iter().map(|cell| &cell[..])));
     let mut matrix = BlockMatrix::new(pattern);

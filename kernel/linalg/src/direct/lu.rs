@@ -75,8 +75,7 @@ impl Factorisation for Lu {
         let order = symbolic.nrows();
         let view = SymbolicSparseColMatRef::new_checked(order, order, &columns.start, None, &columns.rows);
         let view = SparseColMatRef::new(view, &columns.values);
-        let result =
-            symbolic.factorize_numeric_lu(numeric, view, Par::Seq, MemStack::new(memory), Default::default());
+        let result = symbolic.factorize_numeric_lu(numeric, view, Par::Seq, MemStack::new(memory), Default::default());
         match result {
             Ok(_) => Ok(()),
             Err(LuError::Generic(error)) => Err(out_of_memory(error)),

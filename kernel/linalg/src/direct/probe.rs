@@ -12,8 +12,8 @@ const SHIFT: f64 = 1e-10;
 
 /// A second right-hand side, solved along with the user's, whose solution shows a null vector.
 ///
-/// `e_i = +-sum_j |a_ij|` excites every null vector but by accident. With `z = A^-1 e`, the growth
-/// `max_i (|A| |z|)_i / |e_i|` is a lower bound of the condition number of Bauer and Skeel, which does not depend
+/// `e_i = s_i sum_j |a_ij|` with scattered `1/2 <= |s_i| <= 1` excites every null vector but by accident. With `z = A^-1 e`, the growth
+/// `max_i (|A| |z|)_i / sum_j |a_ij|` is a lower bound of the condition number of Bauer and Skeel, which does not depend
 /// on the scaling (the units) of rows and columns. An ill-conditioned system whose own right-hand side happens to be
 /// consistent is found out just as well.
 pub struct Probe {
@@ -33,9 +33,14 @@ impl Probe {
 
     /// Appends the right-hand side to `work`.
     pub fn append_to(&self, work: &mut Vec<f64>) {
-        // The parity of a multiplicative hash gives signs without a period that a mesh might share.
-        let sign = |row: usize| if (row as u32).wrapping_mul(2_654_435_769) >> 31 == 0 { 1.0 } else { -1.0 };
-        work.extend(self.row_sums.iter().enumerate().map(|(row, sum)| sign(row) * sum));
+        // A multiplicative hash gives factors without a pattern that a mesh might share: equal ones would miss, say,
+        // the null vector (1, -1).
+        let factor = |row: usize| {
+            let hash = (row as u32 + 1).wrapping_mul(2_654_435_769);
+            let magnitude = 0.5 + 0.5 * f64::from(hash << 1) / f64::from(u32::MAX);
+            if hash >> 31 == 0 { magnitude } else { -magnitude }
+        };
+        work.extend(self.row_sums.iter().enumerate().map(|(row, sum)| factor(row) * sum));
     }
 
     /// Judges `solution`, which belongs to the right-hand side of [`Self::append_to`].

@@ -90,7 +90,8 @@ fn fill_lower(a: &BlockMatrix, values: &mut [f64]) {
             for entry in diagonal..pattern.row(row).end {
                 let begin = (entry * block + component) * block;
                 let skipped = if entry == diagonal { component } else { 0 };
-                for (target, value) in target.by_ref().zip(&a.values[begin + skipped..begin + block]) {
+                // The slice comes first: it ends the loop before another target is taken.
+                for (value, target) in a.values[begin + skipped..begin + block].iter().zip(target.by_ref()) {
                     *target = *value;
                 }
             }

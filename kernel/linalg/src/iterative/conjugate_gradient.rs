@@ -23,13 +23,7 @@ impl ConjugateGradient {
     }
 
     /// Iterates until the recurrence says that the residual is below `target`; returns the iterations done.
-    fn iterate(
-        &mut self,
-        a: &BlockMatrix,
-        x: &mut [f64],
-        target: f64,
-        maximum: usize,
-    ) -> Result<usize, LinearError> {
+    fn iterate(&mut self, a: &BlockMatrix, x: &mut [f64], target: f64, maximum: usize) -> Result<usize, LinearError> {
         let Self { preconditioning, residual, preconditioned, direction, image, .. } = self;
         let mut previous = 0.0;
         for iteration in 0..maximum {

@@ -5,12 +5,8 @@ use super::block::{Block, apply, product, subtract_product};
 use super::preconditioning::{Definiteness, invert_or_restore};
 use crate::matrix::{add_product, blocks_of, with_block_size};
 use crate::{BlockMatrix, BlockPattern, LinearError};
-use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
-
-/// Consecutive block rows factorised together; couplings between runs are dropped.
-const RUN: usize = 4096;
 
 /// Factors of either kind, `M = (E + L) E^-1 (E + U)`.
 #[derive(Default)]
@@ -22,38 +18,19 @@ pub struct Incomplete {
     factor: Vec<f64>,
 }
 
-/// The part of a pattern inside the runs.
+/// What is derived from a pattern.
 struct Structure {
     pattern: Arc<BlockPattern>,
     transposed: Vec<u32>,
-    /// First entry of each row whose column is in the run of the row.
-    first: Vec<u32>,
-    /// End of these entries.
-    last: Vec<u32>,
 }
 
 impl Structure {
-    fn new(pattern: &Arc<BlockPattern>) -> Self {
-        let bound = |row: usize, column: usize| {
-            let entries = pattern.row(row);
-            let inside = pattern.columns()[entries.clone()].partition_point(|&c| (c as usize) < column);
-            (entries.start + inside) as u32
-        };
-        let rows = 0..pattern.rows();
-        Self {
-            pattern: Arc::clone(pattern),
-            transposed: pattern.transposed_positions(),
-            first: rows.clone().map(|row| bound(row, row / RUN * RUN)).collect(),
-            last: rows.map(|row| bound(row, (row / RUN + 1) * RUN)).collect(),
-        }
-    }
-
     fn lower(&self, row: usize) -> Range<usize> {
-        self.first[row] as usize..self.pattern.diagonal()[row] as usize
+        self.pattern.row(row).start..self.pattern.diagonal()[row] as usize
     }
 
     fn upper(&self, row: usize) -> Range<usize> {
-        self.pattern.diagonal()[row] as usize + 1..self.last[row] as usize
+        self.pattern.diagonal()[row] as usize + 1..self.pattern.row(row).end
     }
 
     fn column(&self, entry: usize) -> usize {
@@ -72,7 +49,10 @@ impl Incomplete {
         if structure.as_ref().is_some_and(|structure| !Arc::ptr_eq(&structure.pattern, &a.pattern)) {
             *structure = None;
         }
-        let structure = structure.get_or_insert_with(|| Structure::new(&a.pattern));
+        let structure = structure.get_or_insert_with(|| Structure {
+            pattern: Arc::clone(&a.pattern),
+            transposed: a.pattern.transposed_positions(),
+        });
         let block = a.pattern.block();
         inverse_diagonal.resize(a.pattern.order() * block, 0.0);
         if kind == Preconditioner::Incomplete {
@@ -88,14 +68,12 @@ impl Incomplete {
     pub fn apply(&self, a: &BlockMatrix, r: &[f64], z: &mut [f64]) {
         let Some(structure) = &self.structure else { return };
         let block = a.pattern.block();
-        let run = |(index, (z, r)): (usize, (&mut [f64], &[f64]))| {
-            if self.factor.is_empty() {
-                with_block_size!(block, sweep_matrix(structure, &a.values, &self.inverse_diagonal, index * RUN, r, z));
-            } else {
-                with_block_size!(block, sweep_factor(structure, &self.factor, &self.inverse_diagonal, index * RUN, r, z));
-            }
-        };
-        z.par_chunks_mut(RUN * block).zip(r.par_chunks(RUN * block)).enumerate().for_each(run);
+        let inverse = &self.inverse_diagonal;
+        if self.factor.is_empty() {
+            with_block_size!(block, sweep_matrix(structure, &a.values, inverse, r, z));
+        } else {
+            with_block_size!(block, sweep_factor(structure, &self.factor, inverse, r, z));
+        }
     }
 }
 
@@ -108,20 +86,16 @@ fn modify_diagonal<const B: usize>(
 ) -> Result<(), LinearError> {
     let blocks = blocks_of::<B>(&a.values, 0..a.pattern.entries());
     let inverse = inverse.as_chunks_mut::<B>().0.as_chunks_mut::<B>().0;
-    inverse.par_chunks_mut(RUN).enumerate().try_for_each(|(run, inverse)| {
-        let start = run * RUN;
-        for row in start..start + inverse.len() {
-            let original = &blocks[a.pattern.diagonal()[row] as usize];
-            let mut diagonal = *original;
-            for entry in structure.lower(row) {
-                let column = structure.column(entry);
-                let across = &blocks[structure.transposed[entry] as usize];
-                subtract_product(&mut diagonal, &product(&blocks[entry], &inverse[column - start]), across);
-            }
-            inverse[row - start] = invert_or_restore(&diagonal, original, definiteness, row)?;
+    for row in 0..inverse.len() {
+        let original = &blocks[a.pattern.diagonal()[row] as usize];
+        let mut diagonal = *original;
+        for entry in structure.lower(row) {
+            let across = &blocks[structure.transposed[entry] as usize];
+            subtract_product(&mut diagonal, &product(&blocks[entry], &inverse[structure.column(entry)]), across);
         }
-        Ok(())
-    })
+        inverse[row] = invert_or_restore(&diagonal, original, definiteness, row)?;
+    }
+    Ok(())
 }
 
 /// ILU(0): row by row, products that fall outside the pattern are dropped.
@@ -139,8 +113,7 @@ fn factorise<const B: usize>(
     let mut entry_of_column = vec![ABSENT; a.pattern.rows()];
     for row in 0..a.pattern.rows() {
         let diagonal = a.pattern.diagonal()[row] as usize;
-        let inside = structure.first[row] as usize..structure.last[row] as usize;
-        for entry in inside.clone() {
+        for entry in a.pattern.row(row) {
             entry_of_column[structure.column(entry)] = entry as u32;
         }
         for entry in structure.lower(row) {
@@ -155,7 +128,7 @@ fn factorise<const B: usize>(
                 }
             }
         }
-        for entry in inside {
+        for entry in a.pattern.row(row) {
             entry_of_column[structure.column(entry)] = ABSENT;
         }
         inverse[row] = invert_or_restore(&factor[diagonal], &originals[diagonal], definiteness, row)?;
@@ -163,61 +136,57 @@ fn factorise<const B: usize>(
     Ok(())
 }
 
-/// Solves `(E + L) E^-1 (E + U) z = r` on the run that begins at block row `start`; `L` and `U` are parts of `values`.
-fn sweep_matrix<const B: usize>(
-    structure: &Structure,
-    values: &[f64],
-    inverse: &[f64],
-    start: usize,
-    r: &[f64],
-    z: &mut [f64],
-) {
+/// Solves `(E + L) E^-1 (E + U) z = r`; `L` and `U` are parts of `values`.
+fn sweep_matrix<const B: usize>(structure: &Structure, values: &[f64], inverse: &[f64], r: &[f64], z: &mut [f64]) {
     let (r, z) = (r.as_chunks::<B>().0, z.as_chunks_mut::<B>().0);
-    let inverse = blocks_of::<B>(inverse, start..start + r.len());
+    let inverse = blocks_of::<B>(inverse, 0..r.len());
     for row in 0..r.len() {
-        let sum = row_product(structure, values, structure.lower(start + row), start, z);
+        let sum = lower_product(structure, values, row, z);
         z[row] = apply(&inverse[row], &subtract(&r[row], &sum));
     }
     for row in (0..r.len()).rev() {
-        let sum = row_product(structure, values, structure.upper(start + row), start, z);
+        let sum = upper_product(structure, values, row, z);
         z[row] = subtract(&z[row], &apply(&inverse[row], &sum));
     }
 }
 
-/// Solves `(I + L E^-1) (E + U) z = r` on the run that begins at block row `start`; `L E^-1` and `U` are stored.
-fn sweep_factor<const B: usize>(
-    structure: &Structure,
-    factor: &[f64],
-    inverse: &[f64],
-    start: usize,
-    r: &[f64],
-    z: &mut [f64],
-) {
+/// Solves `(I + L E^-1) (E + U) z = r`; `L E^-1` and `U` are stored in `factor`.
+fn sweep_factor<const B: usize>(structure: &Structure, factor: &[f64], inverse: &[f64], r: &[f64], z: &mut [f64]) {
     let (r, z) = (r.as_chunks::<B>().0, z.as_chunks_mut::<B>().0);
-    let inverse = blocks_of::<B>(inverse, start..start + r.len());
+    let inverse = blocks_of::<B>(inverse, 0..r.len());
     for row in 0..r.len() {
-        let sum = row_product(structure, factor, structure.lower(start + row), start, z);
+        let sum = lower_product(structure, factor, row, z);
         z[row] = subtract(&r[row], &sum);
     }
     for row in (0..r.len()).rev() {
-        let sum = row_product(structure, factor, structure.upper(start + row), start, z);
+        let sum = upper_product(structure, factor, row, z);
         z[row] = apply(&inverse[row], &subtract(&z[row], &sum));
     }
 }
 
-/// Sum of the blocks of `entries` times `z`, which begins at block row `start`.
+/// Sum of the blocks below the diagonal times `z`.
+///
+/// In both sweeps the row computed last comes last, so that the processor need not wait for it before the other
+/// products.
 #[inline(always)]
-fn row_product<const B: usize>(
-    structure: &Structure,
-    values: &[f64],
-    entries: Range<usize>,
-    start: usize,
-    z: &[[f64; B]],
-) -> [f64; B] {
-    let mut sum = [0.0; B];
+fn lower_product<const B: usize>(structure: &Structure, values: &[f64], row: usize, z: &[[f64; B]]) -> [f64; B] {
+    let entries = structure.lower(row);
     let columns = &structure.pattern.columns()[entries.clone()];
+    let mut sum = [0.0; B];
     for (block, &column) in blocks_of::<B>(values, entries).iter().zip(columns) {
-        add_product(&mut sum, block, &z[column as usize - start]);
+        add_product(&mut sum, block, &z[column as usize]);
+    }
+    sum
+}
+
+/// Sum of the blocks above the diagonal times `z`.
+#[inline(always)]
+fn upper_product<const B: usize>(structure: &Structure, values: &[f64], row: usize, z: &[[f64; B]]) -> [f64; B] {
+    let entries = structure.upper(row);
+    let columns = &structure.pattern.columns()[entries.clone()];
+    let mut sum = [0.0; B];
+    for (block, &column) in blocks_of::<B>(values, entries).iter().zip(columns).rev() {
+        add_product(&mut sum, block, &z[column as usize]);
     }
     sum
 }

@@ -66,8 +66,7 @@ impl IterativeSettings {
 
 /// Approximate inverses `M^-1` of a matrix `A = L + D + U` of blocks.
 ///
-/// The incomplete factorisations drop the couplings between runs of 4096 consecutive nodes, so that the
-/// runs can be worked on by different threads while the result stays the same for any number of them.
+/// The block diagonal is applied by all threads; the sweeps of the incomplete factorisations are sequential.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Preconditioner {
     /// `M = D`: the diagonal blocks.
