@@ -1,0 +1,73 @@
+//! The interface of all linear solvers and the choice among them.
+
+use crate::automatic::{Automatic, Chain};
+use crate::direct::{Cholesky, Direct, Lu};
+use crate::iterative::{BiCgStab, ConjugateGradient, IterativeSettings};
+use crate::{BlockMatrix, LinearError};
+
+/// What a solve did.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct SolveReport {
+    /// Iterations of an iterative method, `None` for a direct one.
+    pub iterations: Option<usize>,
+    /// Relative residual `||b - A x|| / ||b||`, computed anew from the returned solution (0 if `b = 0`).
+    pub residual: f64,
+    /// Number of negative pivots, i.e. of negative eigenvalues (Sylvester's law of inertia), where an
+    /// `L D L^T` factorisation gives it. Not 0 at an unstable equilibrium.
+    pub negative_pivots: Option<usize>,
+    /// Something the user should read in the log, such as a fall-back to another method.
+    pub note: Option<String>,
+}
+
+/// Solves `A x = b`; keeps its analysis and memory between calls as long as the pattern is the same `Arc`.
+pub trait LinearSolver: Send {
+    /// The method in words, for the log.
+    fn name(&self) -> String;
+
+    /// Solves `a x = rhs`.
+    ///
+    /// `x` is overwritten; it is read only by iterative methods with a warm start.
+    ///
+    /// # Errors
+    /// See [`LinearError`]. `x` is then unspecified.
+    fn solve(&mut self, a: &BlockMatrix, rhs: &[f64], x: &mut [f64]) -> Result<SolveReport, LinearError>;
+}
+
+/// Which linear solver.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Method {
+    /// Sparse `L L^T`, for symmetric positive definite matrices.
+    Cholesky,
+    /// Sparse `L D L^T`, for symmetric matrices; falls back to pivoting inside supernodes (Bunch and
+    /// Kaufman) and then to [`Method::Lu`] where a pivot is zero or the result inaccurate.
+    Ldlt,
+    /// Sparse LU with partial pivoting, for any regular matrix.
+    Lu,
+    /// Preconditioned conjugate gradients, for symmetric positive definite matrices.
+    ConjugateGradient(IterativeSettings),
+    /// Preconditioned BiCGSTAB, for any regular matrix.
+    BiCgStab(IterativeSettings),
+    /// Chooses by symmetry, dimension and size, and falls back to a direct method on failure.
+    Automatic {
+        /// Whether the matrices will be symmetric.
+        symmetric: bool,
+        /// Dimension of the mesh: direct methods stay cheap much longer in 2 dimensions than in 3.
+        dimension: usize,
+        /// Relative residual asked of iterative methods.
+        tolerance: f64,
+    },
+}
+
+/// Builds the solver for a method.
+pub fn solver(method: Method) -> Box<dyn LinearSolver> {
+    match method {
+        Method::Cholesky => Box::new(Direct::<Cholesky>::default()),
+        Method::Ldlt => Box::new(Chain::indefinite()),
+        Method::Lu => Box::new(Direct::<Lu>::default()),
+        Method::ConjugateGradient(settings) => Box::new(ConjugateGradient::new(settings)),
+        Method::BiCgStab(settings) => Box::new(BiCgStab::new(settings)),
+        Method::Automatic { symmetric, dimension, tolerance } => {
+            Box::new(Automatic::new(symmetric, dimension, tolerance))
+        }
+    }
+}
