@@ -1,3 +1,11 @@
 //! Files: mesh input, results for ParaView and for machines.
 
+mod base64;
+pub mod control;
+pub mod dataset;
+pub mod files;
 pub mod mdpa;
+mod number;
+pub mod pvd;
+pub mod vtk_legacy;
+pub mod vtu;

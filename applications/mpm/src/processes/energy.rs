@@ -1,0 +1,172 @@
+//! Energies of material points as a table (spec 07 §7).
+
+use super::acceleration::check_part;
+use crate::points::MaterialPoints;
+use crate::points::fields::total_energies;
+use bia_kernel::diagnostic::InputErrors;
+use bia_kernel::error::Error;
+use bia_kernel::io::control::OutputControl;
+use bia_kernel::model::Model;
+use bia_kernel::parameters::{Key, Kind, Range, Settings};
+use bia_kernel::processes::{Context, Process, Requirements};
+use bia_kernel::registry::{ProcessEntry, Registry};
+use std::fs::File;
+use std::io::Write;
+use std::path::PathBuf;
+
+const FILE: &[Key] = &[
+    Key::new("file_name", Kind::Text, "\"\"", "name of the table, energy.dat by default"),
+    Key::new("output_path", Kind::Text, "\"\"", "folder of the table"),
+    Key::new("write_buffer_size", Kind::Any, "-1", "accepted"),
+    Key::new("file_extension", Kind::Text, "\"dat\"", "extension"),
+];
+const KEYS: &[Key] = &[
+    Key::required("model_part_name", Kind::Text, "part of points"),
+    Key::new("output_control_type", Kind::Choice(&["step", "time"]), "\"step\"", "what output_interval counts"),
+    Key::new("output_interval", Kind::Number(Range::NOT_NEGATIVE), "1.0", "between outputs [steps or s]"),
+    Key::new("print_format", Kind::Text, "\".8f\"", "format of the numbers"),
+    Key::new("interval", Kind::Interval, "[0.0, \"End\"]", "when it prints [s]"),
+    Key::new("output_file_settings", Kind::Object(FILE), "{}", "the file"),
+];
+
+/// Registers the process of this file.
+pub fn register(registry: &mut Registry) {
+    registry.process(ProcessEntry {
+        name: "mpm_write_energy_output_process",
+        aliases: &["mpm_write_energy_process"],
+        application: Some("MPMApplication"),
+        keys: KEYS,
+        help: "potential, kinetic, strain and total energy of the points in time",
+        build: |building| {
+            let format = building.settings.text("print_format").to_string();
+            let Some(format) = NumberFormat::parse(&format) else {
+                let message = format!("{format:?} is no number format");
+                let help = "a dot, the number of digits, and f or e: \".8f\", \".12e\"";
+                return Err(building.settings.error("print_format", message).help(help).into());
+            };
+            let file = building.settings.nested("output_file_settings");
+            let (name, folder, extension) = match file {
+                Some(file) => (file.text("file_name"), file.text("output_path"), file.text("file_extension")),
+                None => ("", "", "dat"),
+            };
+            let name = if name.is_empty() { "energy" } else { name };
+            let name = if name.contains('.') { name.to_string() } else { format!("{name}.{extension}") };
+            let path = building.options.output.join(folder).join(name);
+            let control = OutputControl::read(&building.settings);
+            Ok(Box::new(Energy { settings: building.settings, path, file: None, format, control }))
+        },
+    });
+}
+
+/// How a number is printed: digits and `f` or `e`.
+struct NumberFormat {
+    digits: usize,
+    scientific: bool,
+}
+
+impl NumberFormat {
+    fn parse(text: &str) -> Option<Self> {
+        let (digits, kind) = text.strip_prefix('.')?.split_at_checked(text.len().checked_sub(2)?)?;
+        let scientific = match kind {
+            "f" => false,
+            "e" | "E" => true,
+            _ => return None,
+        };
+        Some(Self { digits: digits.parse().ok().filter(|d| *d <= 30)?, scientific })
+    }
+
+    fn show(&self, x: f64) -> String {
+        let digits = self.digits;
+        if self.scientific {
+            let text = format!("{x:.digits$e}");
+            let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
+            let exponent: i32 = exponent.parse().unwrap_or(0);
+            format!("{mantissa}e{}{:02}", if exponent < 0 { '-' } else { '+' }, exponent.abs())
+        } else {
+            format!("{x:.digits$}")
+        }
+    }
+}
+
+struct Energy {
+    settings: Settings,
+    path: PathBuf,
+    file: Option<File>,
+    format: NumberFormat,
+    control: OutputControl,
+}
+
+impl Energy {
+    fn write(&mut self, lines: &str) -> Result<(), Error> {
+        let failed = |source| Error::Write { path: self.path.clone(), source };
+        if self.file.is_none() {
+            if let Some(folder) = self.path.parent() {
+                std::fs::create_dir_all(folder).map_err(failed)?;
+            }
+            self.file = Some(File::create(&self.path).map_err(failed)?);
+        }
+        match &mut self.file {
+            Some(file) => file.write_all(lines.as_bytes()).map_err(failed),
+            None => Ok(()),
+        }
+    }
+
+    fn row(&mut self, context: &Context) -> Result<(), Error> {
+        let Some(points) = context.model.extension::<MaterialPoints>() else { return Ok(()) };
+        let Ok(body) = points.select(self.settings.text("model_part_name")) else { return Ok(()) };
+        let energies = total_energies(points, body);
+        let numbers = [context.clock.time, energies.potential, energies.kinetic, energies.strain, energies.total()];
+        let row = numbers.map(|x| self.format.show(x)).join(" ");
+        self.write(&format!("{row}\n"))
+    }
+}
+
+impl Process for Energy {
+    fn name(&self) -> &str {
+        "mpm_write_energy_output"
+    }
+
+    fn connect(&mut self, model: &mut Model) -> Result<(), InputErrors> {
+        check_part(model, &self.settings)
+    }
+
+    fn require(&self, requirements: &mut Requirements) {
+        requirements.energies = true;
+    }
+
+    fn execute_before_solution_loop(&mut self, context: &mut Context) -> Result<(), Error> {
+        let part = self.settings.text("model_part_name").to_string();
+        self.write(&format!(
+            "# Energy model part '{part}'\n# time potential_energy kinetic_energy strain_energy total_energy\n"
+        ))?;
+        self.row(context)
+    }
+
+    fn is_output_step(&mut self, context: &Context) -> bool {
+        self.control.is_due(context.clock)
+    }
+
+    fn print_output(&mut self, context: &mut Context) -> Result<(), Error> {
+        self.row(context)?;
+        self.control.printed(context.clock);
+        Ok(())
+    }
+
+    fn files(&self) -> Vec<PathBuf> {
+        self.file.iter().map(|_| self.path.clone()).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_printed_as_python_prints_them() {
+        assert_eq!(NumberFormat::parse(".8f").unwrap().show(1.5), "1.50000000");
+        assert_eq!(NumberFormat::parse(".3e").unwrap().show(-12345.0), "-1.234e+04");
+        for wrong in ["8f", ".f", ".8x", "", ".é"] {
+            assert!(NumberFormat::parse(wrong).is_none(), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,78 @@
+//! When an output process prints.
+
+use crate::parameters::Settings;
+use crate::processes::Clock;
+
+/// Counts steps or time, as Kratos's output controller does: output `k` is due once the step (or
+/// time) has reached `k` intervals.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OutputControl {
+    by_time: bool,
+    interval: f64,
+    next: f64,
+}
+
+impl OutputControl {
+    /// From `output_control_type` ("step" or "time") and `output_interval`.
+    pub fn read(settings: &Settings) -> Self {
+        Self::new(settings.text("output_control_type") == "time", settings.number("output_interval"))
+    }
+
+    /// Every `interval` steps or seconds.
+    pub fn new(by_time: bool, interval: f64) -> Self {
+        Self { by_time, interval, next: interval }
+    }
+
+    /// True when the label of files counts time.
+    pub fn by_time(&self) -> bool {
+        self.by_time
+    }
+
+    fn now(&self, clock: &Clock) -> f64 {
+        if self.by_time { clock.time } else { clock.step as f64 }
+    }
+
+    /// Whether output is due.
+    pub fn is_due(&self, clock: &Clock) -> bool {
+        // Times are accumulated sums: a part in 1e12 of slack keeps 10 steps of 0.1 from missing 1.0.
+        self.now(clock) >= self.next - 1e-12 * self.next.abs()
+    }
+
+    /// Tells that output was printed now.
+    pub fn printed(&mut self, clock: &Clock) {
+        if self.interval > 0.0 {
+            let now = self.now(clock);
+            let passed = ((now - self.next) / self.interval + 1e-9).floor().max(0.0) + 1.0;
+            self.next += passed * self.interval;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn printed(by_time: bool, interval: f64, time_step: f64) -> Vec<usize> {
+        let mut control = OutputControl::new(by_time, interval);
+        let mut clock = Clock::default();
+        let mut steps = Vec::new();
+        for step in 1..=10 {
+            clock.step = step;
+            clock.time += time_step;
+            if control.is_due(&clock) {
+                control.printed(&clock);
+                steps.push(step);
+            }
+        }
+        steps
+    }
+
+    #[test]
+    fn outputs_come_at_whole_intervals() {
+        assert_eq!(printed(false, 4.0, 0.1), [4, 8]);
+        assert_eq!(printed(true, 0.2, 0.1), [2, 4, 6, 8, 10]);
+        assert_eq!(printed(true, 0.25, 0.1), [3, 5, 8, 10]);
+        assert_eq!(printed(true, 0.05, 0.1), (1..=10).collect::<Vec<_>>(), "never more than once a step");
+        assert_eq!(printed(true, 0.0, 0.1).len(), 10);
+    }
+}
