@@ -147,6 +147,30 @@ fn distorted_mixed_and_simplex_meshes() {
 }
 
 #[test]
+fn bins_hold_the_points_within_the_tolerance_outside_of_a_cell() {
+    let (mut random, tolerance) = (Random(28), 0.2);
+    for counts in [&[7, 5][..], &[4, 3, 5]] {
+        let (mut coordinates, cells) = grid(&mut random, counts, true);
+        for x in &mut coordinates {
+            (0..counts.len()).for_each(|i| x[i] += random.within(-0.02, 0.02));
+        }
+        for cells in [simplices(&cells), cells] {
+            let part = part(coordinates.clone(), &cells);
+            let bins = Bins::new(&SearchMesh::new(&part, &part.elements, tolerance));
+            for _ in 0..2000 {
+                let cell = random.below(cells.len());
+                let shape = cells[cell].0;
+                let mut xi = random.inside(shape);
+                let i = random.below(shape.dimension());
+                xi[i] = if shape.is_affine() { -tolerance } else { 1.0 + tolerance };
+                let x = position(shape, &part.corners(&part.elements, cell), xi);
+                assert!(bins.candidates(x).contains(&(cell as u32)), "{shape:?} {cell} {xi:?}");
+            }
+        }
+    }
+}
+
+#[test]
 fn graded_meshes_crowd_their_bins_and_are_searched_around_the_hint() {
     let mut random = Random(27);
     let graded: Vec<f64> = (0..14).map(|i| 1.7f64.powi(i) - 1.0).collect();
