@@ -19,7 +19,7 @@ pub enum Encoding {
         /// Digits after the point.
         precision: usize,
     },
-    /// Big-endian binary: half the size and about ten times faster.
+    /// Big-endian binary: about a third of the size and ten times faster.
     Binary,
 }
 

@@ -108,7 +108,8 @@ impl<'a> Document<'a> {
         writeln!(self.xml, "<?xml version=\"1.0\"?>")?;
         writeln!(
             self.xml,
-            "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"{order}\" header_type=\"UInt64\"{compressor}>"
+            "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"{order}\" \
+             header_type=\"UInt64\"{compressor}>"
         )?;
         writeln!(self.xml, "<UnstructuredGrid>")?;
         if let Some(time) = time {
