@@ -37,6 +37,11 @@ impl Chain {
         Self::general().after(Direct::<PivotedLdlt>::default(), false).after(Direct::<Ldlt>::default(), false)
     }
 
+    /// Cholesky, then as [`Chain::indefinite`].
+    pub fn symmetric() -> Self {
+        Self::indefinite().after(Direct::<Cholesky>::default(), true)
+    }
+
     /// Tries `solver` before all others.
     fn after(mut self, solver: impl LinearSolver + 'static, knows_singular: bool) -> Self {
         self.attempts.insert(0, Attempt { solver: Box::new(solver), knows_singular });
@@ -99,7 +104,7 @@ impl Automatic {
     fn chain(&self, iterative: bool) -> Chain {
         let settings = IterativeSettings { maximum_iterations: PATIENCE, ..IterativeSettings::new(self.tolerance) };
         match (self.symmetric, iterative) {
-            (true, false) => Chain::indefinite().after(Direct::<Cholesky>::default(), true),
+            (true, false) => Chain::symmetric(),
             (true, true) => self.chain(false).after(ConjugateGradient::new(settings), false),
             (false, false) => Chain::general(),
             (false, true) => self.chain(false).after(BiCgStab::new(settings), false),

@@ -57,3 +57,16 @@ pub enum LinearError {
     #[error("the factors of the matrix do not fit into memory")]
     OutOfMemory,
 }
+
+impl LinearError {
+    /// The scalar row that the error is about, if it is about one.
+    pub fn dof(&self) -> Option<usize> {
+        match self {
+            LinearError::Singular { dof }
+            | LinearError::NotPositiveDefinite { dof }
+            | LinearError::Inaccurate { dof, .. }
+            | LinearError::NonFinite { dof } => Some(*dof),
+            _ => None,
+        }
+    }
+}

@@ -41,6 +41,9 @@ pub enum Method {
     /// Sparse `L D L^T`, for symmetric matrices; falls back to pivoting inside supernodes (Bunch and
     /// Kaufman) and then to [`Method::Lu`] where a pivot is zero or the result inaccurate.
     Ldlt,
+    /// Cholesky, and if the matrix is not positive definite [`Method::Ldlt`]: for matrices that are
+    /// definite at stable states only.
+    Symmetric,
     /// Sparse LU with partial pivoting, for any regular matrix.
     Lu,
     /// Preconditioned conjugate gradients, for symmetric positive definite matrices.
@@ -63,6 +66,7 @@ pub fn solver(method: Method) -> Box<dyn LinearSolver> {
     match method {
         Method::Cholesky => Box::new(Direct::<Cholesky>::default()),
         Method::Ldlt => Box::new(Chain::indefinite()),
+        Method::Symmetric => Box::new(Chain::symmetric()),
         Method::Lu => Box::new(Direct::<Lu>::default()),
         Method::ConjugateGradient(settings) => Box::new(ConjugateGradient::new(settings)),
         Method::BiCgStab(settings) => Box::new(BiCgStab::new(settings)),

@@ -72,7 +72,7 @@ impl Account {
 
 /// CPU time of this process so far.
 fn cpu_total() -> Duration {
-    ProcessTime::try_now().map_or(Duration::ZERO, ProcessTime::as_duration)
+    ProcessTime::try_now().map_or(Duration::ZERO, |time| time.as_duration())
 }
 
 /// Largest resident memory so far in megabytes, where the system tells it.

@@ -2,7 +2,7 @@
 
 use crate::diagnostic::InputErrors;
 use crate::parameters::{Key, Kind, Parameters, Range};
-use bia_linalg::Method;
+use bia_linalg::{IterativeSettings, Method};
 
 /// What a system is like, so that a fitting method is chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -68,7 +68,7 @@ const ITERATIVE: &[&str] = &["amgcl", "amgcl_raw", "amgcl_ns_solver", "cg", "bic
 /// Unknown names and keys.
 pub fn method(parameters: Option<&Parameters>, nature: Nature) -> Result<Method, InputErrors> {
     let exact = if nature.definite && nature.symmetric {
-        Method::Cholesky
+        Method::Symmetric
     } else if nature.symmetric {
         Method::Ldlt
     } else {
@@ -83,11 +83,11 @@ pub fn method(parameters: Option<&Parameters>, nature: Nature) -> Result<Method,
     let name = given.rsplit('.').next().unwrap_or(given).to_lowercase();
     let tolerance = settings.number("tolerance");
     let max_iterations = settings.integer("max_iteration") as usize;
-    let bicgstab = Method::BiCgStab { tolerance, max_iterations };
+    let iterative = IterativeSettings { maximum_iterations: max_iterations, ..IterativeSettings::new(tolerance) };
     match name.as_str() {
         "automatic" | "amgcl" | "amgcl_raw" | "amgcl_ns_solver" => Ok(automatic(tolerance)),
-        "cg" | "sparse_cg" | "deflated_cg" if nature.symmetric => Ok(Method::ConjugateGradient { tolerance, max_iterations }),
-        "cg" | "sparse_cg" | "deflated_cg" | "bicgstab" | "gmres" | "fgmres" | "tfqmr" => Ok(bicgstab),
+        "cg" | "sparse_cg" | "deflated_cg" if nature.symmetric => Ok(Method::ConjugateGradient(iterative)),
+        "cg" | "sparse_cg" | "deflated_cg" | "bicgstab" | "gmres" | "fgmres" | "tfqmr" => Ok(Method::BiCgStab(iterative)),
         "lu" => Ok(Method::Lu),
         direct if DIRECT.contains(&direct) || SYMMETRIC_DIRECT.contains(&direct) => Ok(exact),
         _ => {
@@ -112,7 +112,7 @@ mod tests {
     #[test]
     fn kratos_names_are_understood() {
         let lu = r#"{"solver_type": "LinearSolversApplication.sparse_lu"}"#;
-        assert!(chosen(lu, true).unwrap().starts_with("Cholesky"));
+        assert!(chosen(lu, true).unwrap().starts_with("Symmetric"));
         assert!(chosen(lu, false).unwrap().starts_with("Lu"));
         assert!(chosen(r#"{"solver_type": "cg"}"#, true).unwrap().starts_with("ConjugateGradient"));
         assert!(chosen(r#"{"solver_type": "cg"}"#, false).unwrap().starts_with("BiCgStab"));
