@@ -4,11 +4,10 @@ use crate::direct::{Cholesky, Direct, Ldlt, Lu, PivotedLdlt};
 use crate::iterative::{BiCgStab, ConjugateGradient, IterativeSettings};
 use crate::{BlockMatrix, LinearError, LinearSolver, SolveReport};
 
-/// Scalar unknowns in 3 dimensions from which on conjugate gradients are faster than a new Cholesky
-/// factorisation.
-const ITERATIVE_FROM: usize = 1_500;
-/// The same for unsymmetric matrices, whose factors are dearer.
-const ITERATIVE_FROM_UNSYMMETRIC: usize = 1_500;
+/// Scalar unknowns in 3 dimensions from which on a Krylov method with the block diagonal is faster than a new
+/// factorisation. Measured on trilinear elastic hexahedra (module `measure`): at 1029 unknowns 0.3 ms (mass-dominated)
+/// to 1.5 ms (static) against 1.7 ms for Cholesky and 5 ms for LU; at 14,739 unknowns 6 to 50 ms against 205 ms.
+const ITERATIVE_FROM: usize = 1_000;
 /// Iterations after which a direct method is tried instead.
 const PATIENCE: usize = 500;
 
@@ -121,8 +120,7 @@ impl LinearSolver for Automatic {
     }
 
     fn solve(&mut self, a: &BlockMatrix, rhs: &[f64], x: &mut [f64]) -> Result<SolveReport, LinearError> {
-        let limit = if self.symmetric { ITERATIVE_FROM } else { ITERATIVE_FROM_UNSYMMETRIC };
-        let iterative = self.dimension == 3 && a.pattern.order() >= limit;
+        let iterative = self.dimension == 3 && a.pattern.order() >= ITERATIVE_FROM;
         let chosen = self.chosen.take().filter(|(kind, _)| *kind == iterative);
         let (_, chain) = self.chosen.insert(chosen.unwrap_or_else(|| (iterative, self.chain(iterative))));
         chain.solve(a, rhs, x)

@@ -1,7 +1,7 @@
-//! Timings on an elastic block of 17^3 nodes; run with `--ignored --nocapture`.
+//! Timings on cubes of elastic hexahedra, for the thresholds in `automatic`; run with `--ignored --nocapture`.
 
 use crate::test_systems::{elastic_box, vector};
-use crate::{IterativeSettings, LinearSolver, Method, Preconditioner, solver};
+use crate::{BlockMatrix, BlockPattern, IterativeSettings, LinearSolver, Method, Preconditioner, solver};
 use std::time::Instant;
 
 fn milliseconds(work: impl FnOnce()) -> f64 {
@@ -10,55 +10,71 @@ fn milliseconds(work: impl FnOnce()) -> f64 {
     start.elapsed().as_secs_f64() * 1e3
 }
 
+/// Reads a list of numbers from the environment.
+fn numbers(name: &str, default: &[usize]) -> Vec<usize> {
+    let parse = |list: String| list.split(',').filter_map(|item| item.parse().ok()).collect();
+    std::env::var(name).map_or(default.to_vec(), parse)
+}
+
+/// `NODES` along an edge and `THREADS` may be given in the environment.
 #[test]
 #[ignore = "measures, asserts nothing"]
 fn timings() {
-    let threads: usize = std::env::var("THREADS").ok().and_then(|v| v.parse().ok()).unwrap_or(1);
-    let nodes: Vec<usize> =
-        std::env::var("NODES").map_or(vec![17], |v| v.split(',').map(|v| v.parse().unwrap()).collect());
-    let direct = std::env::var("DIRECT").is_ok();
-    rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(|| {
-        for nodes in nodes {
-            for courant in [1.0, 3.0, 10.0, 30.0, 100.0] {
-                let mut a = elastic_box(nodes, courant);
-                let mut b = vector(a.pattern.order(), 3);
-                if courant > 29.0 {
-                    let mask: Vec<bool> = (0..b.len()).map(|i| i < 3 * nodes * nodes).collect();
-                    a.constrain(&mask, &mut b);
-                }
-                let mut x = vec![0.0; b.len()];
-                let product = (0..5).map(|_| milliseconds(|| a.multiply(&b, &mut x))).fold(1e9, f64::min);
-                println!("nodes {nodes} courant {courant}: product {product:.3} ms, {} blocks", a.pattern.entries());
-                for preconditioner in
-                    [Preconditioner::BlockJacobi, Preconditioner::DiagonalIncomplete, Preconditioner::Incomplete]
-                {
-                    let settings = IterativeSettings { preconditioner, ..IterativeSettings::new(1e-9) };
-                    for method in [Method::ConjugateGradient(settings.clone()), Method::BiCgStab(settings)] {
-                        report(&mut *solver(method), &a, &b, &mut x);
-                    }
-                }
-                if direct && (courant == 1.0) {
-                    report(&mut *solver(Method::Cholesky), &a, &b, &mut x);
-                    report(&mut *solver(Method::Ldlt), &a, &b, &mut x);
-                    if nodes < 14 {
-                        report(&mut *solver(Method::Lu), &a, &b, &mut x);
-                    }
-                }
-            }
+    for threads in numbers("THREADS", &[1]) {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        for nodes in numbers("NODES", &[7, 10, 13, 17]) {
+            println!("{threads} threads, {nodes}^3 nodes");
+            pool.install(|| elastic(nodes));
         }
-    });
+    }
 }
 
-fn report(solver: &mut dyn LinearSolver, a: &crate::BlockMatrix, b: &[f64], x: &mut [f64]) {
+fn elastic(nodes: usize) {
+    for courant in [1.0, 3.0, 10.0, 100.0] {
+        let mut a = elastic_box(nodes, courant);
+        let mut b = vector(a.pattern.order(), 3);
+        let fixed: Vec<bool> = (0..b.len()).map(|dof| courant > 10.0 && dof < 3 * nodes * nodes).collect();
+        a.constrain(&fixed, &mut b);
+        let mut x = vec![0.0; b.len()];
+        let product = (0..5).map(|_| milliseconds(|| a.multiply(&b, &mut x))).fold(f64::INFINITY, f64::min);
+        println!(" courant {courant}: product {product:.3} ms, {} blocks", a.pattern.entries());
+        for kind in [Preconditioner::BlockJacobi, Preconditioner::DiagonalIncomplete, Preconditioner::Incomplete] {
+            let settings = IterativeSettings { preconditioner: kind, ..IterativeSettings::new(1e-9) };
+            for method in [Method::ConjugateGradient(settings.clone()), Method::BiCgStab(settings)] {
+                report(&mut *solver(method), &a, &b, &mut x);
+            }
+        }
+        if courant == 1.0 {
+            let methods = [Method::Cholesky, Method::Ldlt, Method::Lu];
+            for method in methods.into_iter().filter(|method| nodes < 14 || *method != Method::Lu) {
+                report(&mut *solver(method), &a, &b, &mut x);
+            }
+        }
+    }
+}
+
+fn report(solver: &mut dyn LinearSolver, a: &BlockMatrix, b: &[f64], x: &mut [f64]) {
     let first = milliseconds(|| drop(solver.solve(a, b, x)));
     let mut best = f64::INFINITY;
-    let mut result = None;
+    let mut result = solver.solve(a, b, x);
     for _ in 0..3 {
-        best = best.min(milliseconds(|| result = Some(solver.solve(a, b, x))));
+        best = best.min(milliseconds(|| result = solver.solve(a, b, x)));
     }
-    println!(
-        "  {:<75} first {first:8.2} next {best:8.2} ms  {:?}",
-        solver.name(),
-        result.unwrap().map(|r| (r.iterations, r.residual))
-    );
+    let result = result.map(|report| (report.iterations, report.residual));
+    println!("  {:<85} first {first:8.2} then {best:8.2} ms  {result:?}", solver.name());
+}
+
+#[test]
+#[ignore = "measures, asserts nothing"]
+fn pattern() {
+    let node = |i: usize, j: usize, k: usize| ((i * 17 + j) * 17 + k) as u32;
+    let corners = |c: usize| {
+        let (i, j, k) = (c / 256, c / 16 % 16, c % 16);
+        [0, 1, 2, 3, 4, 5, 6, 7].map(|n| node(i + (n >> 2), j + (n >> 1 & 1), k + (n & 1)))
+    };
+    let cells: Vec<[u32; 8]> = (0..4096).map(corners).collect();
+    for _ in 0..5 {
+        let work = || drop(BlockPattern::from_cliques(3, 4913, cells.iter().map(|cell| &cell[..])));
+        println!("pattern of 4096 hexahedra: {:.2} ms", milliseconds(work));
+    }
 }

@@ -12,10 +12,10 @@ const SHIFT: f64 = 1e-10;
 
 /// A second right-hand side, solved along with the user's, whose solution shows a null vector.
 ///
-/// `e_i = s_i sum_j |a_ij|` with scattered `1/2 <= |s_i| <= 1` excites every null vector but by accident. With `z = A^-1 e`, the growth
-/// `max_i (|A| |z|)_i / sum_j |a_ij|` is a lower bound of the condition number of Bauer and Skeel, which does not depend
-/// on the scaling (the units) of rows and columns. An ill-conditioned system whose own right-hand side happens to be
-/// consistent is found out just as well.
+/// `e_i = s_i sum_j |a_ij|` with scattered `1/2 <= |s_i| <= 1` excites every null vector, accidents excepted. With
+/// `z = A^-1 e`, the growth `max_i (|A| |z|)_i / sum_j |a_ij|` is a lower bound of Skeel's condition number
+/// `|| |A| |A^-1| ||` of the row-scaled matrix (1979), which does not depend on the scaling (the units) of rows and
+/// columns. A singular system whose own right-hand side happens to be consistent is found out just as well.
 pub struct Probe {
     row_sums: Vec<f64>,
 }

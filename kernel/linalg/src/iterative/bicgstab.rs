@@ -48,7 +48,7 @@ impl BiCgStab {
             self.preconditioning.apply(a, direction, preconditioned);
             a.multiply(preconditioned, image);
             let overlap = dot(shadow, image);
-            if !(overlap.abs() > BREAKDOWN * shadow_norm * norm(image)) {
+            if vanishes(overlap, shadow_norm * norm(image)) {
                 return iteration;
             }
             let step = product / overlap;
@@ -60,14 +60,14 @@ impl BiCgStab {
             self.preconditioning.apply(a, residual, preconditioned);
             a.multiply(preconditioned, stabiliser);
             let (length, descent) = (dot(stabiliser, stabiliser), dot(stabiliser, residual));
-            if !(descent.abs() > BREAKDOWN * (length * dot(residual, residual)).sqrt()) {
+            if vanishes(descent, length.sqrt() * norm(residual)) {
                 return iteration + 1;
             }
             let damping = descent / length;
             add_scaled(x, damping, preconditioned);
             add_scaled(residual, -damping, stabiliser);
             let next = dot(shadow, residual);
-            if !(next.abs() > BREAKDOWN * shadow_norm * norm(residual)) {
+            if vanishes(next, shadow_norm * norm(residual)) {
                 return iteration + 1;
             }
             let factor = next / product * (step / damping);
@@ -78,6 +78,11 @@ impl BiCgStab {
         }
         maximum
     }
+}
+
+/// Whether vectors with this `product`, whose lengths multiply to `lengths`, are as good as orthogonal.
+fn vanishes(product: f64, lengths: f64) -> bool {
+    product.is_nan() || product.abs() <= BREAKDOWN * lengths
 }
 
 impl LinearSolver for BiCgStab {

@@ -14,7 +14,7 @@ pub fn invert_positive<const B: usize>(block: &Block<B>) -> Result<Block<B>, usi
     let mut inverse = *block;
     for k in 0..B {
         let pivot = inverse[k][k];
-        if !(pivot > SINGULAR * block[k][k]) {
+        if pivot.is_nan() || pivot <= SINGULAR * block[k][k] {
             return Err(k);
         }
         sweep(&mut inverse, k, pivot);
@@ -32,7 +32,7 @@ pub fn invert<const B: usize>(block: &Block<B>) -> Option<Block<B>> {
         inverse.swap(k, row);
         exchanged[k] = row;
         let pivot = inverse[k][k];
-        if !(pivot.abs() > SINGULAR * scale) {
+        if pivot.is_nan() || pivot.abs() <= SINGULAR * scale {
             return None;
         }
         sweep(&mut inverse, k, pivot);
