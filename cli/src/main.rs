@@ -1,2 +1,61 @@
-//! The `bia` command.
-fn main() {}
+//! The `bia` command: parse arguments, register applications, run, show progress and errors.
+
+mod progress;
+mod report;
+mod run;
+
+use bia_kernel::registry::Registry;
+use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// A modular multiphysics framework: runs Kratos MPM projects as they stand.
+#[derive(Parser)]
+#[command(name = "bia", version, about, after_help = EXAMPLES)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+const EXAMPLES: &str = "Examples:
+  bia run ProjectParameters.json                 run a project, results beside it
+  bia check ProjectParameters.json               read and check all input, run nothing
+  bia run P.json --threads 2 --output /tmp/out --set /problem_data/end_time=0.1
+
+Exit codes: 0 done, 1 a check process found differences, 2 wrong input, 3 the run failed.";
+
+#[derive(Subcommand)]
+enum Command {
+    /// Run a project
+    Run(run::RunArguments),
+    /// Read and check all input of a project, run nothing, print what the scene consists of
+    Check(ProjectArguments),
+}
+
+/// What both commands take.
+#[derive(Args)]
+struct ProjectArguments {
+    /// The project: ProjectParameters.json
+    file: PathBuf,
+    /// Replace a value of the project: a JSON pointer, =, and JSON or a plain word
+    #[arg(long = "set", value_name = "POINTER=VALUE")]
+    set: Vec<String>,
+    /// Reproduce Kratos 10.4.4 to round-off, its faults included
+    #[arg(long)]
+    kratos_exact: bool,
+}
+
+/// All applications that this program was built with.
+fn registry() -> Registry {
+    let mut registry = Registry::with_kernel();
+    #[cfg(feature = "mpm")]
+    bia_mpm::register(&mut registry);
+    registry
+}
+
+fn main() -> ExitCode {
+    match Cli::parse().command {
+        Command::Run(arguments) => run::run(&arguments, &registry()),
+        Command::Check(arguments) => run::check(&arguments, &registry()),
+    }
+}

@@ -1,0 +1,105 @@
+//! `bia run` and `bia check`.
+
+use crate::progress::Progress;
+use crate::{ProjectArguments, report};
+use bia_kernel::analysis::{Analysis, RecordPlan};
+use bia_kernel::diagnostic::{Diagnostic, InputErrors, Place};
+use bia_kernel::error::Error;
+use bia_kernel::parameters::Document;
+use bia_kernel::processes::RunOptions;
+use bia_kernel::registry::Registry;
+use clap::Args;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// Arguments of `bia run`.
+#[derive(Args)]
+pub struct RunArguments {
+    #[command(flatten)]
+    project: ProjectArguments,
+    /// Threads; results have the same bits for any number (default: all cores)
+    #[arg(long, value_name = "N")]
+    threads: Option<usize>,
+    /// Folder for results (default: the project's folder)
+    #[arg(long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// Say nothing but errors
+    #[arg(long)]
+    quiet: bool,
+    /// Write an account of the run: counts, times, iterations and states, as JSON
+    #[arg(long, value_name = "FILE")]
+    record: Option<PathBuf>,
+    /// States in the account beside the first
+    #[arg(long, value_name = "N", default_value_t = 5)]
+    record_states: usize,
+}
+
+/// Runs a project.
+pub fn run(arguments: &RunArguments, registry: &Registry) -> ExitCode {
+    report::start_log(arguments.quiet);
+    let threads = arguments.threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
+    if let Err(error) = rayon::ThreadPoolBuilder::new().num_threads(threads.max(1)).build_global() {
+        eprintln!("error: {threads} threads cannot be started: {error}");
+        return ExitCode::from(2);
+    }
+    let record = arguments.record.clone().map(|path| RecordPlan { path, states: arguments.record_states, threads });
+    let prepared = prepare(&arguments.project, arguments.output.as_deref(), registry, record.is_some());
+    let mut analysis = match prepared {
+        Ok(analysis) => analysis,
+        Err(errors) => return report::input(&errors),
+    };
+    if !arguments.quiet {
+        report::head(&arguments.project.file, &analysis.inventory(), threads);
+    }
+    let mut progress = Progress::new(arguments.quiet);
+    let result = analysis.run(&mut progress, record);
+    progress.finish();
+    match result {
+        Ok(account) => {
+            if !arguments.quiet {
+                report::summary(&account);
+            }
+            ExitCode::SUCCESS
+        }
+        Err(Error::Input(errors)) => report::input(&errors),
+        Err(error) => report::failure(&error),
+    }
+}
+
+/// Checks a project.
+pub fn check(arguments: &ProjectArguments, registry: &Registry) -> ExitCode {
+    report::start_log(false);
+    match prepare(arguments, None, registry, false) {
+        Ok(mut analysis) => {
+            report::head(&arguments.file, &analysis.inventory(), 0);
+            if let Some(steps) = analysis.planned_steps() {
+                println!("  {:24} {steps}", "steps");
+            }
+            println!("The input is right.");
+            ExitCode::SUCCESS
+        }
+        Err(errors) => report::input(&errors),
+    }
+}
+
+fn prepare(
+    arguments: &ProjectArguments,
+    output: Option<&Path>,
+    registry: &Registry,
+    record: bool,
+) -> Result<Analysis, InputErrors> {
+    let mut document = Document::read(&arguments.file)?;
+    for assignment in &arguments.set {
+        match assignment.split_once('=') {
+            Some((pointer, value)) => document.set(pointer, value)?,
+            None => {
+                let message = format!("--set {assignment:?} has no =");
+                return Err(Diagnostic::error(Place::default(), message).help("--set /json/pointer=value").into());
+            }
+        }
+    }
+    let folder = arguments.file.parent().map_or_else(PathBuf::new, Path::to_path_buf);
+    let output = output.map_or_else(|| folder.clone(), Path::to_path_buf);
+    let options = RunOptions { folder, output, kratos_exact: arguments.kratos_exact };
+    Analysis::prepare(document, registry, options, record)
+}
