@@ -126,7 +126,7 @@ impl Analysis {
     /// A numerical failure (after saving the state), or a file that cannot be written.
     pub fn run(&mut self, observer: &mut dyn Observer, record: Option<RecordPlan>) -> Result<Account, Error> {
         let planned = self.planned_steps();
-        let mut recorder = record.map(|plan| Recorder::new(plan, planned.unwrap_or(0)));
+        let mut recorder = record.map(|plan| Recorder::new(plan, planned.unwrap_or(0))).transpose()?;
         let mut account = Account::start();
         match self.run_loop(observer, planned, &mut recorder, &mut account) {
             Ok(()) => {}
@@ -148,7 +148,7 @@ impl Analysis {
         account.energies = self.solver.energies(&self.model);
         account.files = self.processes.iter().flat_map(|p| p.files()).collect();
         if let Some(recorder) = recorder {
-            recorder.write(&account, self.solver.account(&self.model))?;
+            recorder.finish(&account, self.solver.account(&self.model))?;
         }
         Ok(account)
     }
@@ -166,7 +166,7 @@ impl Analysis {
         let mut context = Context { model: &mut self.model, clock: &self.clock, options: &self.options };
         self.solver.before_solution_loop(&mut context)?;
         if let Some(recorder) = recorder {
-            recorder.observe(&self.clock, self.solver.as_ref(), &self.model);
+            recorder.observe(&self.clock, self.solver.as_ref(), &self.model)?;
         }
         account.start_loop();
         while self.clock.time < self.clock.end {
@@ -185,7 +185,7 @@ impl Analysis {
             self.print()?;
             account.step(&self.clock, &report);
             if let Some(recorder) = recorder {
-                recorder.observe(&self.clock, self.solver.as_ref(), &self.model);
+                recorder.observe(&self.clock, self.solver.as_ref(), &self.model)?;
             }
             observer.step(&self.clock, planned, &report);
         }

@@ -16,11 +16,12 @@ use bia_constitutive::Catalogue;
 use bia_kernel::diagnostic::InputErrors;
 use bia_kernel::error::{Error, Failure};
 use bia_kernel::geometry::CellLocator;
+use bia_kernel::io::json::JsonObject;
 use bia_kernel::linalg::LinearSolver;
 use bia_kernel::model::{Model, ModelPart};
 use bia_kernel::processes::{Clock, Context, Location, Requirements, RunOptions};
 use bia_kernel::registry::{Registry, SolverEntry};
-use bia_kernel::solving::solver::{Inventory, Snapshot, Solver};
+use bia_kernel::solving::solver::{Inventory, Solver};
 use bia_kernel::solving::{ActiveDofs, Criterion, NonlinearSystem, StepReport, System};
 use problem::{Inertia, Problem};
 use std::path::{Path, PathBuf};
@@ -71,6 +72,7 @@ pub struct Implicit {
     output: NodalOutput,
     stages: [(&'static str, Duration); 5],
     warned_of_loss: bool,
+    arch: pulp::Arch,
 }
 
 const SEARCH: usize = 0;
@@ -100,6 +102,7 @@ impl Implicit {
             output: NodalOutput::default(),
             stages: stages.map(|name| (name, Duration::ZERO)),
             warned_of_loss: false,
+            arch: pulp::Arch::new(),
         }
     }
 
@@ -222,6 +225,7 @@ impl Implicit {
             inertia: self.inertia.as_ref(),
             time_step,
             kratos_exact: self.options.kratos_exact,
+            arch: self.arch,
             increments: self.increments.clone(),
             assembled: self.increments.clone(),
         }
@@ -395,12 +399,12 @@ impl Solver for Implicit {
         inventory::energies(model)
     }
 
-    fn account(&self, model: &Model) -> Snapshot {
+    fn account(&self, model: &Model) -> serde_json::Map<String, serde_json::Value> {
         crate::record::account(model)
     }
 
-    fn snapshot(&self, model: &Model) -> Snapshot {
-        crate::record::snapshot(model)
+    fn snapshot(&self, model: &Model, out: &mut JsonObject) -> std::io::Result<()> {
+        crate::record::snapshot(model, out)
     }
 
     fn stages(&self) -> Vec<(&'static str, Duration)> {

@@ -209,7 +209,11 @@ fn add_element(
         let message = format!("MATERIAL_POINTS_PER_ELEMENT is {wanted}, which a {} does not have", shape.name());
         return Err(place.error(message).help(format!("allowed: {}", counts.join(", "))));
     };
-    let corners = plan.bodies.corners(elements, element);
+    let mut corners = plan.bodies.corners(elements, element);
+    if plan.kinematics.dimension() == 2 {
+        // A plane scene lies at z = 0, whatever the file says.
+        corners.iter_mut().for_each(|corner| corner[2] = 0.0);
+    }
     let mut functions = vec![0.0; corners.len()];
     for point in &points {
         shape.functions(point.xi, &mut functions);
