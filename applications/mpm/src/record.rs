@@ -73,8 +73,7 @@ fn sums(points: &MaterialPoints) -> Value {
             block.position.row(point).iter().zip(&mut moment).for_each(|(x, sum)| *sum += m * x);
         }
     }
-    let kinetic: f64 =
-        points.blocks.iter().map(|b| (0..b.len()).map(|p| energies(b, p).kinetic).sum::<f64>()).sum();
+    let kinetic: f64 = points.blocks.iter().map(|b| (0..b.len()).map(|p| energies(b, p).kinetic).sum::<f64>()).sum();
     json!({"mass": number(mass), "volume": number(volume), "momentum": momentum.map(number),
            "com": moment.map(|x| number(x / mass)), "kinetic_from_mp": number(kinetic)})
 }

@@ -57,7 +57,8 @@ impl Analysis {
         options.kratos_exact |= project.kratos_exact;
         let mut errors = InputErrors::default();
         let solver = errors.absorb(registry.build_solver(&project.solver, &options));
-        let mut processes = Vec::new();
+        let mut processes = solver.as_ref().map_or(Vec::new(), |solver| solver.processes());
+        let own = processes.len();
         for block in project.processes.iter().chain(&project.outputs) {
             processes.extend(errors.absorb(registry.build_process(block, &project.root, &options)));
         }
@@ -87,9 +88,14 @@ impl Analysis {
             process.require(&mut requirements);
         }
         solver.initialize(&mut model, &requirements)?;
+        let mut errors = InputErrors::default();
+        for process in &mut processes {
+            errors.absorb(process.check(&model));
+        }
+        errors.or(())?;
         let start = project.problem.number("start_time");
         let clock = Clock { start, time: start, end: project.problem.number("end_time"), ..Clock::default() };
-        let first_output = project.processes.len();
+        let first_output = own + project.processes.len();
         let warnings = project.warnings;
         Ok(Self { model, solver, processes, first_output, clock, options, warnings, stages: Vec::new() })
     }

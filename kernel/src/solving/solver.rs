@@ -5,7 +5,7 @@ use crate::diagnostic::InputErrors;
 use crate::error::Error;
 use crate::io::json::JsonObject;
 use crate::model::Model;
-use crate::processes::{Clock, Context, Requirements};
+use crate::processes::{Clock, Context, Process, Requirements};
 use crate::registry::Registry;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -18,7 +18,6 @@ pub struct Inventory {
     /// Suspicious but legal facts.
     pub warnings: Vec<String>,
 }
-
 
 /// An application's solver. The analysis calls these in Kratos's order (spec 01 §1.2).
 pub trait Solver: Send {
@@ -34,6 +33,12 @@ pub trait Solver: Send {
     /// # Errors
     /// Faults of the input that show only now, such as a wanted variable that nobody provides.
     fn initialize(&mut self, model: &mut Model, requirements: &Requirements) -> Result<(), InputErrors>;
+
+    /// Processes that the solver itself puts at the head of the pipeline, such as the reset of a
+    /// grid.
+    fn processes(&self) -> Vec<Box<dyn Process>> {
+        Vec::new()
+    }
 
     /// Once, after the processes' hook of this name.
     ///

@@ -112,9 +112,8 @@ impl<const D: usize, const N: usize> PointKinematics<D, N> {
             Some(inverse) if relative.determinant() > 0.0 => inverse,
             _ => return Err(inverted(block, point, &relative)),
         };
-        let gradients = std::array::from_fn(|b| {
-            std::array::from_fn(|i| (0..D).map(|k| reference[i][k] * inverse[(k, b)]).sum())
-        });
+        let gradients =
+            std::array::from_fn(|b| std::array::from_fn(|i| (0..D).map(|k| reference[i][k] * inverse[(k, b)]).sum()));
         let mut radius = 0.0;
         if kinematics == Kinematics::Axisymmetric {
             let start: f64 = (0..N).map(|i| functions[i] * corners[i][0]).sum();
@@ -254,8 +253,7 @@ impl Integrator<'_> {
             if axisymmetric {
                 // Kratos leaves out 1/r² here: its tangent is not the derivative, which shows in
                 // the iterates but not in the solution.
-                let (own, others) =
-                    if self.kratos_exact { (at.functions[i], &at.functions) } else { (hoop[i], &hoop) };
+                let (own, others) = if self.kratos_exact { (at.functions[i], &at.functions) } else { (hoop[i], &hoop) };
                 add_scaled(&mut cell_rows[i * D * D], volume * response.stress[2] * own, others);
             }
         }

@@ -148,7 +148,9 @@ fn new_block(plan: &Plan, body: usize, id: u32, element: u32) -> Result<Block, I
     let entry = properties.law.as_deref().and_then(|name| plan.catalogue.find(name));
     let only_plane_stress = entry.is_some_and(|entry| !entry.kinematics.contains(&Kinematics::PlaneStrain));
     let kinematics = match (plan.kinematics, entry) {
-        (Kinematics::PlaneStrain, Some(entry)) if only_plane_stress && entry.kinematics.contains(&Kinematics::PlaneStress) => {
+        (Kinematics::PlaneStrain, Some(entry))
+            if only_plane_stress && entry.kinematics.contains(&Kinematics::PlaneStress) =>
+        {
             Kinematics::PlaneStress
         }
         (kinematics, _) => kinematics,
@@ -197,7 +199,12 @@ fn add_element(
     let material = material_of(plan, block.material, element as u32)?;
     let shape = elements.shapes[element];
     if shape.dimension() != plan.kinematics.dimension() {
-        let message = format!("body element {} is a {}, which does not fit {}", elements.ids[element], shape.name(), plan.kinematics);
+        let message = format!(
+            "body element {} is a {}, which does not fit {}",
+            elements.ids[element],
+            shape.name(),
+            plan.kinematics
+        );
         return Err(Diagnostic::error(Default::default(), message).help("check domain_size and the element names"));
     }
     let wanted = material.properties.number("MATERIAL_POINTS_PER_ELEMENT").unwrap_or(0.0);
