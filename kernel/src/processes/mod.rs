@@ -1,7 +1,10 @@
 //! Processes: what a scene does beside solving, driven by the hooks of the analysis.
 
 pub mod assign;
+pub mod json;
+pub mod quantity;
 mod value;
+pub mod vtk;
 
 pub use value::{Interval, SpaceTimeValue};
 
