@@ -65,6 +65,7 @@ pub struct VtkFiles {
     postfix: String,
     by_time: bool,
     precision: usize,
+    kratos_exact: bool,
     series: BTreeMap<String, PvdSeries>,
     written: Vec<PathBuf>,
 }
@@ -96,6 +97,7 @@ impl VtkFiles {
             postfix: settings.text("custom_name_postfix").into(),
             by_time: settings.text("output_control_type") == "time",
             precision,
+            kratos_exact: options.kratos_exact,
             series: BTreeMap::new(),
             written: Vec::new(),
         })
@@ -194,6 +196,10 @@ impl VtkFiles {
     fn write_as(&mut self, name: &str, file: &str, clock: &Clock, data: &Dataset, of_series: bool) -> Result<(), Error> {
         let path = self.folder.join(file);
         let result = match self.format {
+            // Kratos rounds to single precision before it prints digits.
+            Format::Legacy(encoding) if self.kratos_exact => {
+                write_legacy(&path, &data.clone().in_single_precision(), encoding)
+            }
             Format::Legacy(encoding) => write_legacy(&path, data, encoding),
             Format::Vtu { single_precision } => {
                 write_vtu(&path, data, Some(clock.time), &VtuOptions { single_precision, ..VtuOptions::default() })
