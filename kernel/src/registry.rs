@@ -72,6 +72,9 @@ pub struct ModelerEntry {
     pub build: fn(Building) -> Result<Box<dyn Modeler>, InputErrors>,
 }
 
+/// Builds a solver from `solver_settings`.
+pub type BuildSolver = fn(&Parameters, &Registry, &RunOptions) -> Result<Box<dyn Solver>, InputErrors>;
+
 /// A solver and how to build it.
 #[derive(Clone, Copy)]
 pub struct SolverEntry {
@@ -80,7 +83,7 @@ pub struct SolverEntry {
     /// What it does.
     pub help: &'static str,
     /// Builds it from `solver_settings`.
-    pub build: fn(&Parameters, &Registry, &RunOptions) -> Result<Box<dyn Solver>, InputErrors>,
+    pub build: BuildSolver,
 }
 
 /// All components.
@@ -189,7 +192,10 @@ impl Registry {
             (Some(variable), _) => {
                 let message = format!("{name:?} is a {}, must be a {}", rank_name(variable.rank), rank_name(rank));
                 let names = self.variables.iter().filter(|v| fits(v)).map(|v| v.name);
-                Err(settings.error(key, message).help(format!("fitting: {}", names.collect::<Vec<_>>().join(", "))).into())
+                Err(settings
+                    .error(key, message)
+                    .help(format!("fitting: {}", names.collect::<Vec<_>>().join(", ")))
+                    .into())
             }
             (None, Some(component)) if rank == Rank::Scalar => match self.find_variable(&name[..name.len() - 2]) {
                 Some(variable) if variable.rank == Rank::Vector => Ok((variable, Some(component))),

@@ -5,6 +5,7 @@ pub mod control;
 pub mod dataset;
 pub mod files;
 pub mod history;
+pub mod json;
 pub mod mdpa;
 mod number;
 pub mod pvd;

@@ -3,13 +3,15 @@
 pub mod assign;
 pub mod json;
 pub mod quantity;
+mod reset;
 mod value;
 pub mod vtk;
 
+pub use reset::ResetNodes;
 pub use value::{Interval, SpaceTimeValue};
 
-use crate::error::Error;
 use crate::diagnostic::InputErrors;
+use crate::error::Error;
 use crate::model::Model;
 use crate::parameters::Parameters;
 use std::path::PathBuf;
@@ -108,7 +110,15 @@ pub trait Process: Send {
     /// Names the variables that the process will read.
     fn require(&self, requirements: &mut Requirements) {}
 
-    /// Before the solver is initialised.
+    /// Once everything is set up, before the run: faults that show only now.
+    ///
+    /// # Errors
+    /// Faults of the input, all together.
+    fn check(&mut self, model: &Model) -> Result<(), InputErrors> {
+        Ok(())
+    }
+
+    /// Before the loop, ahead of all other processes' hooks that follow.
     ///
     /// # Errors
     /// Whatever stops the run; likewise for all hooks below.

@@ -3,7 +3,7 @@
 use super::setup::points_of;
 use super::{GRID, Implicit};
 use crate::points::fields::{append, total_energies};
-use crate::points::{Block, MaterialPoints};
+use crate::points::{Block, MaterialPoints, Selection};
 use bia_kernel::error::Error;
 use bia_kernel::io::dataset::{CellsOf, Dataset, Field, FieldData};
 use bia_kernel::io::vtu::{VtuOptions, write_vtu};
@@ -77,9 +77,8 @@ fn body_measure(model: &Model, points: &MaterialPoints) -> f64 {
         return 0.0;
     };
     let of_part = |elements: &[u32]| -> f64 {
-        let measure = |&e: &u32| {
-            bodies.elements.shapes[e as usize].measure(&bodies.corners(&bodies.elements, e as usize))
-        };
+        let measure =
+            |&e: &u32| bodies.elements.shapes[e as usize].measure(&bodies.corners(&bodies.elements, e as usize));
         elements.iter().map(measure).sum()
     };
     bodies.children.iter().map(|child| of_part(&child.elements)).sum()
@@ -105,7 +104,7 @@ fn columns(points: &MaterialPoints, used: bool) -> String {
 /// Energies that the columns in use allow.
 pub(super) fn energies(model: &Model) -> Vec<(&'static str, f64)> {
     let Some(points) = points_of(model) else { return Vec::new() };
-    let energies = total_energies(points, None);
+    let energies = total_energies(points, Selection::All);
     let block = points.blocks.first();
     let mut list = vec![("potential", energies.potential)];
     if block.is_some_and(|block| block.velocity.is_used()) {
@@ -120,7 +119,7 @@ pub(super) fn energies(model: &Model) -> Vec<(&'static str, f64)> {
 /// Writes the points with every column in use to `failed_state.vtu`.
 pub(super) fn save_state(model: &Model, folder: &Path) -> Result<Vec<PathBuf>, Error> {
     let Some(points) = points_of(model) else { return Ok(Vec::new()) };
-    let order = points.by_id(None);
+    let order = points.by_id(Selection::All);
     let mut data = Dataset {
         points: order.iter().map(|&(b, p)| position(&points.blocks[b as usize], p as usize)).collect(),
         cells: CellsOf::Vertices,
@@ -129,9 +128,8 @@ pub(super) fn save_state(model: &Model, folder: &Path) -> Result<Vec<PathBuf>, E
     };
     let ids = order.iter().map(|&(b, p)| points.blocks[b as usize].ids[p as usize] as i32).collect();
     data.point_fields.push(Field { name: "ID".into(), components: 1, values: FieldData::I32(ids) });
-    let jacobians = order.iter().map(|&(b, p)| {
-        points.blocks[b as usize].deformation_gradient(p as usize).determinant()
-    });
+    let jacobians =
+        order.iter().map(|&(b, p)| points.blocks[b as usize].deformation_gradient(p as usize).determinant());
     data.point_fields.push(Field { name: "J".into(), components: 1, values: FieldData::F64(jacobians.collect()) });
     for (variable, used) in [
         ("MP_DISPLACEMENT", points.blocks[0].displacement.is_used()),

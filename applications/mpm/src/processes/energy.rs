@@ -113,8 +113,8 @@ impl Energy {
 
     fn row(&mut self, context: &Context) -> Result<(), Error> {
         let Some(points) = context.model.extension::<MaterialPoints>() else { return Ok(()) };
-        let Ok(body) = points.select(self.settings.text("model_part_name")) else { return Ok(()) };
-        let energies = total_energies(points, body);
+        let Some(selection) = points.select(self.settings.text("model_part_name")) else { return Ok(()) };
+        let energies = total_energies(points, selection);
         let numbers = [energies.potential, energies.kinetic, energies.strain, energies.total()];
         let row = numbers.map(|x| self.format.show(x)).join(" ");
         // Kratos's format is for the energies; the time has all its digits.
