@@ -132,7 +132,7 @@ impl Implicit {
             columns = columns.or(fields::ENERGY);
         }
         if requirements.record {
-            columns = Columns { displacement: true, motion: true, stress: true, strain: true, volume: true };
+            columns = columns.or(fields::RECORD);
         }
         errors.or(columns)
     }

@@ -1,6 +1,7 @@
 //! Processes of the material point method.
 
 mod acceleration;
+mod body_acceleration;
 mod energy;
 //mod json_check;
 //mod json_output;
@@ -12,6 +13,7 @@ use bia_kernel::registry::Registry;
 /// Registers them.
 pub fn register(registry: &mut Registry) {
     acceleration::register(registry);
+    body_acceleration::register(registry);
     neumann::register(registry);
     energy::register(registry);
     //json_output::register(registry);
