@@ -85,7 +85,6 @@ fn bossak_dissipates() {
     let newmark = swinging("newmark", 16, 2e-3, false);
     let bossak = swinging("bossak", 16, 2e-3, false);
     let exact = swinging("bossak", 16, 2e-3, true);
-    println!("{:?} {:?} {:?}", newmark.last(), bossak.last(), exact);
     assert!(bossak.iter().all(|energy| *energy < 1.0 + 1e-12), "Bossak gains energy: {bossak:?}");
     assert!(bossak.last() < newmark.last(), "{:?}, Newmark {:?}", bossak.last(), newmark.last());
     assert!(exact.last() > Some(&1.05), "Kratos's own Bossak gains energy: {exact:?}");

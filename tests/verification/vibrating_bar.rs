@@ -43,7 +43,7 @@ fn bar(cell: Cell, points: usize, cells: usize, steps: usize, scheme: &str) -> R
 /// Largest error of the centre's velocity over a period, relative to its amplitude.
 fn error(record: &Record) -> f64 {
     let states = record.states();
-    assert!(states.len() >= 11, "{} states", states.len());
+    assert!(states.len() >= 20, "{} states", states.len());
     let of = |state: &super::common::State| {
         let exact = (frequency() * state.time()).cos();
         (state.total("momentum")[0] / state.mass() / (2.0 / PI * SPEED) - exact).abs()
@@ -53,21 +53,18 @@ fn error(record: &Record) -> f64 {
 
 #[test]
 fn velocity_of_the_centre_converges_with_second_order() {
-    for (cell, points, bound) in
-        [(Cell::Quadrilateral, 4, 2e-3), (Cell::Triangle, 3, 3e-3), (Cell::Hexahedron, 8, 2e-3)]
-    {
+    for (cell, points) in [(Cell::Quadrilateral, 4), (Cell::Triangle, 3), (Cell::Hexahedron, 8)] {
         let errors = [8, 16, 32].map(|cells| error(&bar(cell, points, cells, 800, "newmark")));
-        println!("{cell:?}: errors {errors:?}, orders {:?}", orders(&errors));
-        assert!(errors[2] < bound, "{cell:?}: errors {errors:?}");
+        assert!(errors[2] < 3e-3, "{cell:?}: errors {errors:?}");
         assert!(orders(&errors).iter().all(|order| *order > 1.8), "{cell:?}: errors {errors:?}");
     }
 }
 
+/// On a fine grid the time scheme decides: both are of second order.
 #[test]
-fn explore() {
+fn both_schemes_are_of_second_order_in_time() {
     for scheme in ["newmark", "bossak"] {
-    for cells in [16, 64] {
-        let errors = [10, 20, 40, 80, 160].map(|steps| error(&bar(Cell::Quadrilateral, 4, cells, steps, scheme)));
-        println!("{scheme} {cells}: errors {errors:?}, orders {:?}", orders(&errors));
-    } }
+        let errors = [20, 40, 80].map(|steps| error(&bar(Cell::Quadrilateral, 4, 64, steps, scheme)));
+        assert!(orders(&errors).iter().all(|order| *order > 1.8), "{scheme}: errors {errors:?}");
+    }
 }
