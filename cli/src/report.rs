@@ -4,7 +4,9 @@ use bia_kernel::analysis::{Account, peak_memory_mb};
 use bia_kernel::diagnostic::{InputErrors, Severity};
 use bia_kernel::error::Error;
 use bia_kernel::solving::solver::Inventory;
-use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteDiagnostic, NamedSource, Report, SourceOffset};
+use miette::{
+    GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteDiagnostic, NamedSource, Report, SourceOffset,
+};
 use std::io::IsTerminal;
 use std::path::Path;
 use std::process::ExitCode;
@@ -31,12 +33,14 @@ pub fn input(errors: &InputErrors) -> ExitCode {
             Severity::Warning => miette::Severity::Warning,
         };
         let place = diagnostic.place.to_string();
-        let head = if place.is_empty() { diagnostic.message.clone() } else { format!("{place}: {}", diagnostic.message) };
+        let head =
+            if place.is_empty() { diagnostic.message.clone() } else { format!("{place}: {}", diagnostic.message) };
         let mut shown = MietteDiagnostic::new(head).with_severity(severity);
         if let Some(help) = &diagnostic.help {
             shown = shown.with_help(help);
         }
-        let source = diagnostic.place.file.as_deref().and_then(|file| Some((file, std::fs::read_to_string(file).ok()?)));
+        let source =
+            diagnostic.place.file.as_deref().and_then(|file| Some((file, std::fs::read_to_string(file).ok()?)));
         let report = match (source, diagnostic.place.line) {
             (Some((file, text)), Some(line)) => {
                 let offset = SourceOffset::from_location(&text, line, diagnostic.place.column.unwrap_or(1));
@@ -89,7 +93,12 @@ pub fn summary(account: &Account) {
         let count = account.not_converged.len();
         eprintln!("warning: {count} steps did not converge within max_iteration, the first is step {first}");
     }
-    println!("  {:24} {:.3} s, CPU {:.3} s", "time of the loop", account.wall_loop.as_secs_f64(), account.cpu_loop.as_secs_f64());
+    println!(
+        "  {:24} {:.3} s, CPU {:.3} s",
+        "time of the loop",
+        account.wall_loop.as_secs_f64(),
+        account.cpu_loop.as_secs_f64()
+    );
     for (stage, time) in &account.stages {
         println!("    {stage:22} {:.3} s", time.as_secs_f64());
     }

@@ -187,7 +187,10 @@ impl Registry {
             (Some(variable), _) => {
                 let message = format!("{name:?} is a {}, must be a {}", rank_name(variable.rank), rank_name(rank));
                 let names = self.variables.iter().filter(|v| fits(v)).map(|v| v.name);
-                Err(settings.error(key, message).help(format!("fitting: {}", names.collect::<Vec<_>>().join(", "))).into())
+                Err(settings
+                    .error(key, message)
+                    .help(format!("fitting: {}", names.collect::<Vec<_>>().join(", ")))
+                    .into())
             }
             (None, Some(component)) if rank == Rank::Scalar => match self.find_variable(&name[..name.len() - 2]) {
                 Some(variable) if variable.rank == Rank::Vector => Ok((variable, Some(component))),

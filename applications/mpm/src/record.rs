@@ -6,9 +6,10 @@ use crate::points::conditions::PointConditions;
 use crate::points::fields::{CONDITION_VARIABLES, append, append_condition, energies, total_energies};
 use crate::variables::{DISPLACEMENT, NODAL_MASS, REACTION};
 use bia_kernel::analysis::number;
+use bia_kernel::io::json::JsonObject;
 use bia_kernel::model::{Model, ModelPart};
-use bia_kernel::solving::solver::Snapshot;
 use serde_json::{Map, Value, json};
+use std::io::Result;
 
 const POINT_FIELDS: &[(&str, bool)] = &[
     ("MP_COORD", true),
@@ -25,7 +26,7 @@ const POINT_FIELDS: &[(&str, bool)] = &[
 ];
 
 /// Counts and laws for the head of the account.
-pub fn account(model: &Model) -> Snapshot {
+pub fn account(model: &Model) -> Map<String, Value> {
     let mut head = Map::new();
     if let (Some(points), Some(grid)) = (model.extension::<MaterialPoints>(), model.part(GRID)) {
         let mut laws: Vec<&str> = points.blocks.iter().map(|block| block.law_name.as_str()).collect();
@@ -37,29 +38,28 @@ pub fn account(model: &Model) -> Snapshot {
         head.insert("n_grid_elements".into(), grid.elements.len().into());
         head.insert("laws".into(), json!(laws));
     }
-    Snapshot(head)
+    head
 }
 
-/// Energies, sums and fields of all points, conditions and grid nodes.
-pub fn snapshot(model: &Model) -> Snapshot {
-    let mut map = Map::new();
+/// Writes energies, sums and fields of all points, conditions and grid nodes.
+///
+/// # Errors
+/// The file cannot be written.
+pub fn snapshot(model: &Model, out: &mut JsonObject) -> Result<()> {
     let (Some(points), Some(grid)) = (model.extension::<MaterialPoints>(), model.part(GRID)) else {
-        return Snapshot(map);
+        return Ok(());
     };
-    map.insert("n_mp".into(), points.len().into());
+    out.value("n_mp", &points.len().into())?;
     let total = total_energies(points, None);
-    map.insert(
-        "energies".into(),
-        json!({"potential": number(total.potential), "kinetic": number(total.kinetic),
-               "strain": number(total.strain), "total": number(total.total())}),
-    );
-    map.insert("sums".into(), sums(points));
-    map.insert("mp".into(), point_fields(points));
+    let energies = json!({"potential": number(total.potential), "kinetic": number(total.kinetic),
+        "strain": number(total.strain), "total": number(total.total())});
+    out.value("energies", &energies)?;
+    out.value("sums", &sums(points))?;
+    out.object("mp", |out| point_fields(points, out))?;
     if !points.conditions.is_empty() || !points.conditions.grid.is_empty() {
-        map.insert("mpc".into(), condition_fields(&points.conditions));
+        out.object("mpc", |out| condition_fields(&points.conditions, out))?;
     }
-    map.insert("nodes".into(), node_fields(grid));
-    Snapshot(map)
+    out.object("nodes", |out| node_fields(grid, out))
 }
 
 fn sums(points: &MaterialPoints) -> Value {
@@ -73,61 +73,57 @@ fn sums(points: &MaterialPoints) -> Value {
             block.position.row(point).iter().zip(&mut moment).for_each(|(x, sum)| *sum += m * x);
         }
     }
-    let kinetic: f64 =
-        points.blocks.iter().map(|b| (0..b.len()).map(|p| energies(b, p).kinetic).sum::<f64>()).sum();
+    let kinetic: f64 = points.blocks.iter().map(|b| (0..b.len()).map(|p| energies(b, p).kinetic).sum::<f64>()).sum();
     json!({"mass": number(mass), "volume": number(volume), "momentum": momentum.map(number),
            "com": moment.map(|x| number(x / mass)), "kinetic_from_mp": number(kinetic)})
 }
 
-fn rows(values: &[f64], width: usize, vector: bool) -> Value {
-    if vector {
-        Value::Array(values.chunks(width.max(1)).map(|row| row.iter().map(|x| number(*x)).collect()).collect())
-    } else {
-        values.iter().map(|x| number(*x)).collect()
-    }
-}
-
-fn point_fields(points: &MaterialPoints) -> Value {
+fn point_fields(points: &MaterialPoints, out: &mut JsonObject) -> Result<()> {
     let order = points.by_id(None);
-    let mut map = Map::new();
-    let ids: Vec<u32> = order.iter().map(|&(b, p)| points.blocks[b as usize].ids[p as usize]).collect();
-    map.insert("ids".into(), json!(ids));
+    let block_of = |b: u32| &points.blocks[b as usize];
+    out.integers("ids", order.iter().map(|&(b, p)| block_of(b).ids[p as usize]))?;
     for &(name, vector) in POINT_FIELDS {
-        let mut values = Vec::new();
-        for &(block, point) in &order {
-            append(&points.blocks[block as usize], point as usize, name, &mut values);
+        let value = |&(b, p): &(u32, u32)| {
+            let mut row = Vec::with_capacity(6);
+            append(block_of(b), p as usize, name, &mut row);
+            row
+        };
+        if vector {
+            out.rows(name, order.iter().map(value))?;
+        } else {
+            out.numbers(name, order.iter().flat_map(value))?;
         }
-        map.insert(name.into(), rows(&values, values.len() / order.len().max(1), vector));
     }
-    Value::Object(map)
+    Ok(())
 }
 
-fn condition_fields(conditions: &PointConditions) -> Value {
-    let mut map = Map::new();
-    let ids: Vec<u32> = conditions.grid_ids.iter().chain(&conditions.ids).copied().collect();
-    map.insert("ids".into(), json!(ids));
+fn condition_fields(conditions: &PointConditions, out: &mut JsonObject) -> Result<()> {
+    out.integers("ids", conditions.grid_ids.iter().chain(&conditions.ids).copied())?;
     if conditions.grid_ids.is_empty() {
         for name in CONDITION_VARIABLES {
-            let mut values = Vec::new();
-            (0..conditions.len()).for_each(|i| {
-                append_condition(conditions, i, name, &mut values);
-            });
-            map.insert((*name).into(), rows(&values, 3, *name != "MPC_AREA"));
+            let value = |i: usize| {
+                let mut row = Vec::with_capacity(3);
+                append_condition(conditions, i, name, &mut row);
+                row
+            };
+            if *name == "MPC_AREA" {
+                out.numbers(name, (0..conditions.len()).flat_map(value))?;
+            } else {
+                out.rows(name, (0..conditions.len()).map(value))?;
+            }
         }
     }
-    Value::Object(map)
+    Ok(())
 }
 
-fn node_fields(grid: &ModelPart) -> Value {
-    let mut map = Map::new();
-    map.insert("ids".into(), json!(grid.nodes.ids));
+fn node_fields(grid: &ModelPart, out: &mut JsonObject) -> Result<()> {
+    out.integers("ids", grid.nodes.ids.iter().copied())?;
     for variable in [&DISPLACEMENT, &REACTION] {
         if let Some(column) = grid.node_fields.vector(variable) {
-            map.insert(variable.name.into(), column.iter().map(|v| json!(v.map(number))).collect());
+            out.rows(variable.name, column)?;
         }
     }
     let zeros = vec![0.0; grid.nodes.len()];
     let mass = grid.node_fields.scalar(&NODAL_MASS).unwrap_or(&zeros);
-    map.insert("NODAL_MASS".into(), mass.iter().map(|m| number(*m)).collect());
-    Value::Object(map)
+    out.numbers(NODAL_MASS.name, mass.iter().copied())
 }

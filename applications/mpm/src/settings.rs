@@ -45,7 +45,12 @@ pub const KEYS: &[Key] = &[
     ),
     Key::new("displacement_relative_tolerance", Kind::Number(Range::NOT_NEGATIVE), "1e-4", "relative to the unknowns"),
     Key::new("displacement_absolute_tolerance", Kind::Number(Range::NOT_NEGATIVE), "1e-9", "per root of the dofs [m]"),
-    Key::new("residual_relative_tolerance", Kind::Number(Range::NOT_NEGATIVE), "1e-4", "relative to the first residual"),
+    Key::new(
+        "residual_relative_tolerance",
+        Kind::Number(Range::NOT_NEGATIVE),
+        "1e-4",
+        "relative to the first residual",
+    ),
     Key::new("residual_absolute_tolerance", Kind::Number(Range::NOT_NEGATIVE), "1e-9", "per dof [N]"),
     Key::new("max_iteration", Kind::Integer { min: 1 }, "20", "most Newton iterations a step"),
     Key::new("compute_reactions", Kind::Bool, "false", "compute REACTION on fixed nodes"),
@@ -63,7 +68,8 @@ pub const KEYS: &[Key] = &[
     Key::new("auxiliary_reaction_list", Kind::Texts, "[]", "accepted"),
     Key::optional("linear_solver_settings", Kind::Any, "the linear solver"),
     Key::new("element_search_settings", Kind::Object(SEARCH), "{}", "the search"),
-    Key::new("model_import_settings", Kind::Object(IMPORT), "{}", "mesh of the bodies").or(&["initial_model_import_settings"]),
+    Key::new("model_import_settings", Kind::Object(IMPORT), "{}", "mesh of the bodies")
+        .or(&["initial_model_import_settings"]),
     Key::new("grid_model_import_settings", Kind::Object(IMPORT), "{}", "mesh of the background grid"),
     Key::new("material_import_settings", Kind::Object(MATERIALS), "{}", "materials"),
 ];

@@ -1,13 +1,15 @@
 //! The account of a run: what it did, how long it took, and the states that `--record` asks for.
 
 use crate::error::Error;
-use crate::io::files::write_atomically;
+use crate::io::json::JsonObject;
 use crate::model::Model;
 use crate::processes::Clock;
 use crate::solving::StepReport;
-use crate::solving::solver::{Snapshot, Solver};
+use crate::solving::solver::Solver;
 use cpu_time::ProcessTime;
 use serde_json::{Map, Value, json};
+use std::fs::File;
+use std::io::{BufWriter, Write};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -93,34 +95,52 @@ pub struct RecordPlan {
     pub threads: usize,
 }
 
-/// Collects states while the run goes on.
+/// Writes states while the run goes on: to a partial file that takes its name when it is whole.
 pub(super) struct Recorder {
     plan: RecordPlan,
     steps: Vec<usize>,
-    snapshots: Vec<Value>,
+    partial: PathBuf,
+    file: BufWriter<File>,
+    states: usize,
 }
 
 impl Recorder {
-    pub(super) fn new(plan: RecordPlan, total: usize) -> Self {
+    pub(super) fn new(plan: RecordPlan, total: usize) -> Result<Self, Error> {
         let n = plan.states.max(1);
         let mut steps: Vec<usize> =
             (1..=n).map(|k| round_half_to_even(k as f64 * total as f64 / n as f64).max(1)).collect();
         steps.push(total);
-        Self { plan, steps, snapshots: Vec::new() }
-    }
-
-    pub(super) fn observe(&mut self, clock: &Clock, solver: &dyn Solver, model: &Model) {
-        if clock.step == 0 || self.steps.contains(&clock.step) {
-            let mut map = Map::new();
-            map.insert("step".into(), clock.step.into());
-            map.insert("time".into(), number(clock.time));
-            map.extend(solver.snapshot(model).0);
-            self.snapshots.push(Value::Object(map));
+        let mut partial = plan.path.clone();
+        partial.as_mut_os_string().push(".partial");
+        let open = File::create(&partial).and_then(|file| {
+            let mut file = BufWriter::new(file);
+            file.write_all(b"{\"snapshots\":[").map(|()| file)
+        });
+        match open {
+            Ok(file) => Ok(Self { plan, steps, partial, file, states: 0 }),
+            Err(source) => Err(Error::Write { path: plan.path, source }),
         }
     }
 
-    pub(super) fn write(self, account: &Account, head: Snapshot) -> Result<(), Error> {
-        let mut record = json!({
+    pub(super) fn observe(&mut self, clock: &Clock, solver: &dyn Solver, model: &Model) -> Result<(), Error> {
+        if clock.step > 0 && !self.steps.contains(&clock.step) {
+            return Ok(());
+        }
+        let separator: &[u8] = if self.states > 0 { b"," } else { b"" };
+        self.states += 1;
+        let mut write = || {
+            self.file.write_all(separator)?;
+            let mut state = JsonObject::open(&mut self.file)?;
+            state.value("step", &clock.step.into())?;
+            state.value("time", &number(clock.time))?;
+            solver.snapshot(model, &mut state)?;
+            state.close()
+        };
+        write().map_err(|source| Error::Write { path: self.plan.path.clone(), source })
+    }
+
+    pub(super) fn finish(mut self, account: &Account, head: Map<String, Value>) -> Result<(), Error> {
+        let mut facts = json!({
             "bia_version": env!("CARGO_PKG_VERSION"),
             "threads": self.plan.threads,
             "steps": account.steps,
@@ -133,16 +153,18 @@ impl Recorder {
             "iterations": account.iterations,
             "not_converged_steps": account.not_converged,
         });
-        if let Some(map) = record.as_object_mut() {
-            map.extend(head.0);
-            map.insert("snapshots".into(), Value::Array(self.snapshots));
+        if let Some(map) = facts.as_object_mut() {
+            map.extend(head);
         }
-        let path = self.plan.path;
-        let write = |file: &mut dyn std::io::Write| serde_json::to_writer(file, &record).map_err(std::io::Error::from);
-        match write_atomically(&path, write) {
-            Ok(_) => Ok(()),
-            Err(source) => Err(Error::Write { path, source }),
-        }
+        // The facts' own opening brace gives way to the comma after the states.
+        let text = facts.to_string();
+        let mut write = || {
+            self.file.write_all(b"],")?;
+            self.file.write_all(&text.as_bytes()[1..])?;
+            self.file.flush()?;
+            std::fs::rename(&self.partial, &self.plan.path)
+        };
+        write().map_err(|source| Error::Write { path: self.plan.path.clone(), source })
     }
 }
 

@@ -57,7 +57,8 @@ impl Analysis {
         options.kratos_exact |= project.kratos_exact;
         let mut errors = InputErrors::default();
         let solver = errors.absorb(registry.build_solver(&project.solver, &options));
-        let mut processes = Vec::new();
+        let mut processes = solver.as_ref().map_or(Vec::new(), |solver| solver.processes());
+        let own = processes.len();
         for block in project.processes.iter().chain(&project.outputs) {
             processes.extend(errors.absorb(registry.build_process(block, &project.root, &options)));
         }
@@ -87,9 +88,14 @@ impl Analysis {
             process.require(&mut requirements);
         }
         solver.initialize(&mut model, &requirements)?;
+        let mut errors = InputErrors::default();
+        for process in &mut processes {
+            errors.absorb(process.check(&model));
+        }
+        errors.or(())?;
         let start = project.problem.number("start_time");
         let clock = Clock { start, time: start, end: project.problem.number("end_time"), ..Clock::default() };
-        let first_output = project.processes.len();
+        let first_output = own + project.processes.len();
         let warnings = project.warnings;
         Ok(Self { model, solver, processes, first_output, clock, options, warnings, stages: Vec::new() })
     }
@@ -126,7 +132,7 @@ impl Analysis {
     /// A numerical failure (after saving the state), or a file that cannot be written.
     pub fn run(&mut self, observer: &mut dyn Observer, record: Option<RecordPlan>) -> Result<Account, Error> {
         let planned = self.planned_steps();
-        let mut recorder = record.map(|plan| Recorder::new(plan, planned.unwrap_or(0)));
+        let mut recorder = record.map(|plan| Recorder::new(plan, planned.unwrap_or(0))).transpose()?;
         let mut account = Account::start();
         match self.run_loop(observer, planned, &mut recorder, &mut account) {
             Ok(()) => {}
@@ -148,7 +154,7 @@ impl Analysis {
         account.energies = self.solver.energies(&self.model);
         account.files = self.processes.iter().flat_map(|p| p.files()).collect();
         if let Some(recorder) = recorder {
-            recorder.write(&account, self.solver.account(&self.model))?;
+            recorder.finish(&account, self.solver.account(&self.model))?;
         }
         Ok(account)
     }
@@ -166,7 +172,7 @@ impl Analysis {
         let mut context = Context { model: &mut self.model, clock: &self.clock, options: &self.options };
         self.solver.before_solution_loop(&mut context)?;
         if let Some(recorder) = recorder {
-            recorder.observe(&self.clock, self.solver.as_ref(), &self.model);
+            recorder.observe(&self.clock, self.solver.as_ref(), &self.model)?;
         }
         account.start_loop();
         while self.clock.time < self.clock.end {
@@ -185,7 +191,7 @@ impl Analysis {
             self.print()?;
             account.step(&self.clock, &report);
             if let Some(recorder) = recorder {
-                recorder.observe(&self.clock, self.solver.as_ref(), &self.model);
+                recorder.observe(&self.clock, self.solver.as_ref(), &self.model)?;
             }
             observer.step(&self.clock, planned, &report);
         }

@@ -72,9 +72,16 @@ impl Project {
         let (processes, outputs) = process_blocks(&root, &mut errors);
         let kratos_exact = root.child("kratos_exact").and_then(|v| v.value().as_bool()).unwrap_or(false);
         match (problem, solver) {
-            (Some(problem), Some(solver)) => {
-                errors.or(Self { root: root.clone(), problem, solver, modelers, processes, outputs, kratos_exact, warnings })
-            }
+            (Some(problem), Some(solver)) => errors.or(Self {
+                root: root.clone(),
+                problem,
+                solver,
+                modelers,
+                processes,
+                outputs,
+                kratos_exact,
+                warnings,
+            }),
             _ => Err(errors),
         }
     }
@@ -150,7 +157,8 @@ mod tests {
 
     #[test]
     fn old_lists_act_in_their_own_order_and_cannot_be_mixed() {
-        let text = r#"{"problem_data": {"end_time": 1}, "solver_settings": {}, "gravity": [2], "loads_process_list": [1]}"#;
+        let text =
+            r#"{"problem_data": {"end_time": 1}, "solver_settings": {}, "gravity": [2], "loads_process_list": [1]}"#;
         assert_eq!(read(text).unwrap().processes[0].value(), 1);
         let mixed = text.replace("\"gravity\"", "\"processes\": {\"a\": [3]}, \"gravity\"");
         assert!(read(&mixed).err().unwrap().to_string().contains("beside"));

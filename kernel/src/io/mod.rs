@@ -4,6 +4,7 @@ mod base64;
 pub mod control;
 pub mod dataset;
 pub mod files;
+pub mod json;
 pub mod mdpa;
 mod number;
 pub mod pvd;

@@ -112,7 +112,13 @@ impl Cells {
         order.sort_by_key(|&i| self.ids[i]);
         let mut sorted = Cells { names: self.names.clone(), ..Cells::default() };
         for i in order {
-            sorted.push(self.ids[i], &self.names[self.kinds[i] as usize], self.shapes[i], self.properties[i], self.nodes_of(i));
+            sorted.push(
+                self.ids[i],
+                &self.names[self.kinds[i] as usize],
+                self.shapes[i],
+                self.properties[i],
+                self.nodes_of(i),
+            );
         }
         *self = sorted;
     }

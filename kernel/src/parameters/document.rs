@@ -24,7 +24,10 @@ impl Document {
             if near.is_empty() { diagnostic } else { diagnostic.help(format!("files there: {}", near.join(", "))) }
         })?;
         let text = String::from_utf8(bytes).map_err(|error| {
-            Diagnostic::error(Place::file(path), format!("is not UTF-8 text (byte {})", error.utf8_error().valid_up_to()))
+            Diagnostic::error(
+                Place::file(path),
+                format!("is not UTF-8 text (byte {})", error.utf8_error().valid_up_to()),
+            )
         })?;
         Self::parse(path, text)
     }

@@ -57,15 +57,8 @@ const SCALAR: &[Key] = &[
     Key::new("constrained", Kind::Bool, "true", "whether it becomes fixed"),
     Key::new("value", Kind::Function, "0.0", "the value"),
 ];
-const CONDITION_SCALAR: &[Key] = &[
-    PART,
-    VARIABLE,
-    INTERVAL,
-    AXES,
-    HELP,
-    MESH,
-    Key::new("value", Kind::Function, "0.0", "the value"),
-];
+const CONDITION_SCALAR: &[Key] =
+    &[PART, VARIABLE, INTERVAL, AXES, HELP, MESH, Key::new("value", Kind::Function, "0.0", "the value")];
 const CONDITION_VECTOR: &[Key] = &[
     PART,
     VARIABLE,
@@ -108,15 +101,21 @@ pub fn register(registry: &mut Registry) {
     });
     registry.process(ProcessEntry {
         aliases: &["assign_scalar_variable_to_condition_process"],
-        ..entry("assign_scalar_variable_to_conditions_process", CONDITION_SCALAR, "assigns a scalar on conditions", |b| {
-            scalar(b, Target::Conditions)
-        })
+        ..entry(
+            "assign_scalar_variable_to_conditions_process",
+            CONDITION_SCALAR,
+            "assigns a scalar on conditions",
+            |b| scalar(b, Target::Conditions),
+        )
     });
     registry.process(ProcessEntry {
         aliases: &["assign_vector_variable_to_condition_process"],
-        ..entry("assign_vector_variable_to_conditions_process", CONDITION_VECTOR, "assigns a vector on conditions", |b| {
-            vector(b, Target::Conditions)
-        })
+        ..entry(
+            "assign_vector_variable_to_conditions_process",
+            CONDITION_VECTOR,
+            "assigns a vector on conditions",
+            |b| vector(b, Target::Conditions),
+        )
     });
 }
 

@@ -1,12 +1,14 @@
 //! Processes: what a scene does beside solving, driven by the hooks of the analysis.
 
 pub mod assign;
+mod reset;
 mod value;
 
+pub use reset::ResetNodes;
 pub use value::{Interval, SpaceTimeValue};
 
-use crate::error::Error;
 use crate::diagnostic::InputErrors;
+use crate::error::Error;
 use crate::model::Model;
 use crate::parameters::Parameters;
 use std::path::PathBuf;
@@ -105,7 +107,15 @@ pub trait Process: Send {
     /// Names the variables that the process will read.
     fn require(&self, requirements: &mut Requirements) {}
 
-    /// Before the solver is initialised.
+    /// Once everything is set up, before the run: faults that show only now.
+    ///
+    /// # Errors
+    /// Faults of the input, all together.
+    fn check(&mut self, model: &Model) -> Result<(), InputErrors> {
+        Ok(())
+    }
+
+    /// Before the loop, ahead of all other processes' hooks that follow.
     ///
     /// # Errors
     /// Whatever stops the run; likewise for all hooks below.

@@ -38,9 +38,10 @@ impl SpaceTimeValue {
     /// As [`SpaceTimeValue::read`], for all three together.
     pub fn read3(parameters: &Parameters) -> Result<[Option<Self>; 3], InputErrors> {
         let mut errors = InputErrors::default();
-        let mut values = parameters.entries().into_iter().map(|entry| {
-            if entry.value().is_null() { None } else { errors.absorb(Self::read(&entry)) }
-        });
+        let mut values = parameters
+            .entries()
+            .into_iter()
+            .map(|entry| if entry.value().is_null() { None } else { errors.absorb(Self::read(&entry)) });
         let three = std::array::from_fn(|_| values.next().flatten());
         drop(values);
         errors.or(three)

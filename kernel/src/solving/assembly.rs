@@ -23,7 +23,8 @@ pub struct System {
 /// A cell's own matrix and vector.
 #[derive(Debug, Clone, Default)]
 pub struct CellBuffer {
-    /// Row-major, (nodes × block)².
+    /// Row-major, (nodes × block)²: row `node * block + component`, but column
+    /// `component * nodes + node`, so that loops over the nodes of a row run over neighbours.
     pub matrix: Vec<f64>,
     /// nodes × block.
     pub vector: Vec<f64>,
@@ -92,25 +93,37 @@ impl System {
     }
 
     fn add_cell(&mut self, cell: usize, buffer: &CellBuffer, with_matrix: bool) {
-        let block = self.matrix.pattern.block();
+        match self.matrix.pattern.block() {
+            1 => self.add_blocks::<1>(cell, buffer, with_matrix),
+            2 => self.add_blocks::<2>(cell, buffer, with_matrix),
+            3 => self.add_blocks::<3>(cell, buffer, with_matrix),
+            _ => self.add_blocks::<4>(cell, buffer, with_matrix),
+        }
+    }
+
+    fn add_blocks<const B: usize>(&mut self, cell: usize, buffer: &CellBuffer, with_matrix: bool) {
         let nodes = &self.cells[self.starts[cell] as usize..self.starts[cell + 1] as usize];
-        for (i, &node) in nodes.iter().enumerate() {
-            for a in 0..block {
-                self.rhs[node as usize * block + a] += buffer.vector[i * block + a];
+        let (sums, _) = self.rhs.as_chunks_mut::<B>();
+        let (own, _) = buffer.vector.as_chunks::<B>();
+        for (&node, own) in nodes.iter().zip(own) {
+            for a in 0..B {
+                sums[node as usize][a] += own[a];
             }
         }
         if !with_matrix {
             return;
         }
-        let size = nodes.len() * block;
+        let count = nodes.len();
+        let (blocks, _) = self.matrix.values.as_chunks_mut::<B>();
         let places = &self.places[self.place_starts[cell]..self.place_starts[cell + 1]];
-        for (pair, &place) in places.iter().enumerate() {
-            let (i, j) = (pair / nodes.len(), pair % nodes.len());
-            let target = &mut self.matrix.values[place as usize * block * block..][..block * block];
-            for a in 0..block {
-                let source = &buffer.matrix[(i * block + a) * size + j * block..][..block];
-                for b in 0..block {
-                    target[a * block + b] += source[b];
+        for (i, places) in places.chunks_exact(count).enumerate() {
+            let rows: [&[f64]; B] = std::array::from_fn(|a| &buffer.matrix[(i * B + a) * count * B..][..count * B]);
+            for (j, &place) in places.iter().enumerate() {
+                let target = &mut blocks[place as usize * B..][..B];
+                for a in 0..B {
+                    for b in 0..B {
+                        target[a][b] += rows[a][b * count + j];
+                    }
                 }
             }
         }

@@ -18,7 +18,8 @@ pub struct Nature {
 /// Keys that Kratos's linear solvers take; those without a meaning here are accepted.
 const KEYS: &[Key] = &[
     Key::new("solver_type", Kind::Text, "\"automatic\"", "name of the linear solver"),
-    Key::new("tolerance", Kind::Number(Range::POSITIVE), "1e-7", "relative residual of iterative solvers").or(&["krylov_tolerance"]),
+    Key::new("tolerance", Kind::Number(Range::POSITIVE), "1e-7", "relative residual of iterative solvers")
+        .or(&["krylov_tolerance"]),
     Key::new("max_iteration", Kind::Integer { min: 1 }, "1000", "most iterations of iterative solvers")
         .or(&["max_iterations"]),
     Key::optional("krylov_type", Kind::Text, "cg, bicgstab, gmres, …: chooses the method inside amgcl"),
@@ -56,7 +57,18 @@ const DIRECT: &[&str] = &[
     "mixedup",
 ];
 const SYMMETRIC_DIRECT: &[&str] = &["sparse_cg_direct", "pardiso_ldlt", "pardiso_llt", "cholesky", "ldlt"];
-const ITERATIVE: &[&str] = &["amgcl", "amgcl_raw", "amgcl_ns_solver", "cg", "bicgstab", "gmres", "sparse_cg", "tfqmr", "deflated_cg", "fgmres"];
+const ITERATIVE: &[&str] = &[
+    "amgcl",
+    "amgcl_raw",
+    "amgcl_ns_solver",
+    "cg",
+    "bicgstab",
+    "gmres",
+    "sparse_cg",
+    "tfqmr",
+    "deflated_cg",
+    "fgmres",
+];
 
 /// The method for `linear_solver_settings`; none given means automatic.
 ///
@@ -74,7 +86,8 @@ pub fn method(parameters: Option<&Parameters>, nature: Nature) -> Result<Method,
     } else {
         Method::Lu
     };
-    let automatic = |tolerance: f64| Method::Automatic { symmetric: nature.symmetric, dimension: nature.dimension, tolerance };
+    let automatic =
+        |tolerance: f64| Method::Automatic { symmetric: nature.symmetric, dimension: nature.dimension, tolerance };
     let Some(parameters) = parameters.filter(|p| p.value().as_object().is_some_and(|o| !o.is_empty())) else {
         return Ok(automatic(1e-9));
     };
@@ -87,12 +100,17 @@ pub fn method(parameters: Option<&Parameters>, nature: Nature) -> Result<Method,
     match name.as_str() {
         "automatic" | "amgcl" | "amgcl_raw" | "amgcl_ns_solver" => Ok(automatic(tolerance)),
         "cg" | "sparse_cg" | "deflated_cg" if nature.symmetric => Ok(Method::ConjugateGradient(iterative)),
-        "cg" | "sparse_cg" | "deflated_cg" | "bicgstab" | "gmres" | "fgmres" | "tfqmr" => Ok(Method::BiCgStab(iterative)),
+        "cg" | "sparse_cg" | "deflated_cg" | "bicgstab" | "gmres" | "fgmres" | "tfqmr" => {
+            Ok(Method::BiCgStab(iterative))
+        }
         "lu" => Ok(Method::Lu),
         direct if DIRECT.contains(&direct) || SYMMETRIC_DIRECT.contains(&direct) => Ok(exact),
         _ => {
             let names = ["automatic", "lu"].iter().chain(DIRECT).chain(SYMMETRIC_DIRECT).chain(ITERATIVE).copied();
-            Err(settings.error("solver_type", format!("there is no linear solver {given:?}")).allowed(&name, names).into())
+            Err(settings
+                .error("solver_type", format!("there is no linear solver {given:?}"))
+                .allowed(&name, names)
+                .into())
         }
     }
 }

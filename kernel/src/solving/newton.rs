@@ -38,7 +38,7 @@ pub struct Newton {
 }
 
 /// How a step went.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct StepReport {
     /// Newton iterations; 0 for a linear analysis.
     pub iterations: usize,
@@ -48,6 +48,8 @@ pub struct StepReport {
     pub converged: bool,
     /// Norm of the residual at the end, if it was built.
     pub residual: f64,
+    /// What the linear solver had to say, such as a fall-back to another method.
+    pub note: Option<String>,
     /// Time spent on building.
     pub assembly: Duration,
     /// Time spent on linear systems.
@@ -79,6 +81,7 @@ impl Newton {
             let solved = timed(&mut report.linear, || solver.solve(&system.matrix, &system.rhs, &mut correction));
             let solved = solved.map_err(|error| describe(problem, &error))?;
             report.linear_iterations += solved.iterations.unwrap_or(0);
+            report.note = report.note.or(solved.note);
             problem.correct(&correction);
             let Some(criterion) = &self.criterion else {
                 return Ok(report);

@@ -60,7 +60,8 @@ mod tests {
 
     #[test]
     fn the_first_failing_item_is_named() {
-        let failed = in_order(100, &mut Vec::<()>::new(), |i, ()| if i % 30 == 29 { Err(i) } else { Ok(()) }, |_, ()| {});
+        let failed =
+            in_order(100, &mut Vec::<()>::new(), |i, ()| if i % 30 == 29 { Err(i) } else { Ok(()) }, |_, ()| {});
         assert_eq!(failed, Err(29));
     }
 }

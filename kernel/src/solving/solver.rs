@@ -3,8 +3,9 @@
 use super::StepReport;
 use crate::diagnostic::InputErrors;
 use crate::error::Error;
+use crate::io::json::JsonObject;
 use crate::model::Model;
-use crate::processes::{Clock, Context, Requirements};
+use crate::processes::{Clock, Context, Process, Requirements};
 use crate::registry::Registry;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -17,10 +18,6 @@ pub struct Inventory {
     /// Suspicious but legal facts.
     pub warnings: Vec<String>,
 }
-
-/// One instant of a run for the account that `--record` writes.
-#[derive(Debug, Clone, Default)]
-pub struct Snapshot(pub serde_json::Map<String, serde_json::Value>);
 
 /// An application's solver. The analysis calls these in Kratos's order (spec 01 §1.2).
 pub trait Solver: Send {
@@ -36,6 +33,12 @@ pub trait Solver: Send {
     /// # Errors
     /// Faults of the input that show only now, such as a wanted variable that nobody provides.
     fn initialize(&mut self, model: &mut Model, requirements: &Requirements) -> Result<(), InputErrors>;
+
+    /// Processes that the solver itself puts at the head of the pipeline, such as the reset of a
+    /// grid.
+    fn processes(&self) -> Vec<Box<dyn Process>> {
+        Vec::new()
+    }
 
     /// Once, after the processes' hook of this name.
     ///
@@ -70,11 +73,14 @@ pub trait Solver: Send {
     /// Kinetic, strain and potential energy in joules, as far as they are known.
     fn energies(&self, model: &Model) -> Vec<(&'static str, f64)>;
 
-    /// Fixed facts for the head of the account of a run (`n_mp`, `laws`, …).
-    fn account(&self, model: &Model) -> Snapshot;
+    /// Fixed facts for the account of a run (`n_mp`, `laws`, …).
+    fn account(&self, model: &Model) -> serde_json::Map<String, serde_json::Value>;
 
-    /// The state for the account of a run.
-    fn snapshot(&self, model: &Model) -> Snapshot;
+    /// Writes the present state for the account of a run.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    fn snapshot(&self, model: &Model, out: &mut JsonObject) -> std::io::Result<()>;
 
     /// Time spent in the solver's own stages.
     fn stages(&self) -> Vec<(&'static str, Duration)>;

@@ -18,8 +18,33 @@ use nalgebra::Matrix3;
 const CHUNK: usize = 8;
 /// Voigt index of a pair of directions.
 const VOIGT: [[usize; 3]; 3] = [[0, 3, 5], [3, 1, 4], [5, 4, 2]];
-/// Most dofs of a cell.
-const MOST: usize = 24;
+
+/// The work on one cell, for the widest vectors that the machine has.
+pub struct CellTask<'a, S, const D: usize, const N: usize> {
+    /// What all cells share.
+    pub integrator: &'a Integrator<'a>,
+    /// Nodal values.
+    pub state: &'a CellState<D, N>,
+    /// Points: (block, point).
+    pub points: &'a [(u32, u32)],
+    /// Where the cell's matrix and vector go.
+    pub buffer: &'a mut CellBuffer,
+    /// Whether the matrix is wanted.
+    pub with_matrix: bool,
+    /// The shape.
+    pub shape: std::marker::PhantomData<S>,
+}
+
+impl<S: CellShape<D, N>, const D: usize, const N: usize> pulp::WithSimd for CellTask<'_, S, D, N> {
+    type Output = Result<(), Failure>;
+
+    // Everything that is inlined here is compiled for the instruction set. The order of sums is
+    // that of the source, so their bits do not depend on it.
+    #[inline(always)]
+    fn with_simd<A: pulp::Simd>(self, _: A) -> Self::Output {
+        self.integrator.cell::<S, D, N>(self.state, self.points, self.buffer, self.with_matrix)
+    }
+}
 
 /// What all cells of a step share.
 pub struct Integrator<'a> {
@@ -49,8 +74,8 @@ pub struct CellState<const D: usize, const N: usize> {
 pub struct PointKinematics<const D: usize, const N: usize> {
     /// Shape functions.
     pub functions: [f64; N],
-    /// Gradients in the current configuration of the iterate.
-    pub gradients: [[f64; D]; N],
+    /// Gradients in the current configuration of the iterate: derivative by x_k of N_i at `[k][i]`.
+    pub gradients: [[f64; N]; D],
     /// Deformation gradient of the iterate.
     pub gradient: Matrix3<f64>,
     /// Deformation gradient at the start of the step.
@@ -64,6 +89,7 @@ impl<const D: usize, const N: usize> PointKinematics<D, N> {
     ///
     /// # Errors
     /// The increments turn the point's surroundings inside out.
+    #[inline(always)]
     pub fn new<S: CellShape<D, N>>(
         block: &Block,
         point: usize,
@@ -86,9 +112,8 @@ impl<const D: usize, const N: usize> PointKinematics<D, N> {
             Some(inverse) if relative.determinant() > 0.0 => inverse,
             _ => return Err(inverted(block, point, &relative)),
         };
-        let gradients = std::array::from_fn(|i| {
-            std::array::from_fn(|b| (0..D).map(|k| reference[i][k] * inverse[(k, b)]).sum())
-        });
+        let gradients =
+            std::array::from_fn(|b| std::array::from_fn(|i| (0..D).map(|k| reference[i][k] * inverse[(k, b)]).sum()));
         let mut radius = 0.0;
         if kinematics == Kinematics::Axisymmetric {
             let start: f64 = (0..N).map(|i| functions[i] * corners[i][0]).sum();
@@ -105,6 +130,7 @@ impl Integrator<'_> {
     ///
     /// # Errors
     /// An inverted deformation, or a law without an answer.
+    #[inline(always)]
     pub fn cell<S: CellShape<D, N>, const D: usize, const N: usize>(
         &self,
         state: &CellState<D, N>,
@@ -154,6 +180,7 @@ impl Integrator<'_> {
         Ok(())
     }
 
+    #[inline(always)]
     fn forces<const D: usize, const N: usize>(
         &self,
         body: &[f64; D],
@@ -164,7 +191,7 @@ impl Integrator<'_> {
     ) {
         for i in 0..N {
             for a in 0..D {
-                let inner: f64 = (0..D).map(|b| at.gradients[i][b] * response.stress[VOIGT[a][b]]).sum();
+                let inner: f64 = (0..D).map(|b| at.gradients[b][i] * response.stress[VOIGT[a][b]]).sum();
                 vector[i * D + a] += at.functions[i] * body[a] - volume * inner;
             }
             if self.kinematics == Kinematics::Axisymmetric {
@@ -173,6 +200,8 @@ impl Integrator<'_> {
         }
     }
 
+    /// All inner loops run over the nodes of the cell: they are the lanes of the vectors.
+    #[inline(always)]
     fn tangent<const D: usize, const N: usize>(
         &self,
         volume: f64,
@@ -180,56 +209,61 @@ impl Integrator<'_> {
         response: &Response,
         matrix: &mut [f64],
     ) {
-        let size = N * D;
         let axisymmetric = self.kinematics == Kinematics::Axisymmetric;
-        let hoop = |i: usize| if axisymmetric { at.functions[i] / at.radius } else { 0.0 };
+        let mut hoop = [0.0; N];
+        if axisymmetric {
+            hoop = at.functions.map(|n| n / at.radius);
+        }
         // Rows of c B that some Bᵀ needs: all of them in space, xx, yy, xy (and θθ) in the plane.
         let rows: &[usize] = if D == 3 { &[0, 1, 2, 3, 4, 5] } else { self.kinematics.voigt() };
-        let mut product = [[0.0; MOST]; 6];
+        let mut product = [[[0.0; N]; D]; 6];
         for &s in rows {
-            for j in 0..N {
-                for b in 0..D {
-                    let sum: f64 = (0..D).map(|k| response.tangent[s][VOIGT[b][k]] * at.gradients[j][k]).sum();
-                    product[s][j * D + b] = sum;
+            let c = &response.tangent[s];
+            for b in 0..D {
+                for k in 0..D {
+                    add_scaled(&mut product[s][b], volume * c[VOIGT[b][k]], &at.gradients[k]);
                 }
-                if axisymmetric {
-                    product[s][j * D] += response.tangent[s][2] * hoop(j);
-                }
+            }
+            if axisymmetric {
+                add_scaled(&mut product[s][0], volume * c[2], &hoop);
             }
         }
+        let (cell_rows, _) = matrix.as_chunks_mut::<N>();
         for i in 0..N {
+            let mut geometric = [0.0; N];
+            for b in 0..D {
+                let traction: f64 = (0..D).map(|a| at.gradients[a][i] * response.stress[VOIGT[a][b]]).sum();
+                add_scaled(&mut geometric, volume * traction, &at.gradients[b]);
+            }
             for a in 0..D {
-                let row = &mut matrix[(i * D + a) * size..(i * D + a + 1) * size];
-                for k in 0..D {
-                    add_scaled(row, volume * at.gradients[i][k], &product[VOIGT[a][k]][..size]);
-                }
-                if axisymmetric && a == 0 {
-                    add_scaled(row, volume * hoop(i), &product[2][..size]);
+                for b in 0..D {
+                    let mut sum = cell_rows[(i * D + a) * D + b];
+                    for k in 0..D {
+                        add_scaled(&mut sum, at.gradients[k][i], &product[VOIGT[a][k]][b]);
+                    }
+                    if axisymmetric && a == 0 {
+                        add_scaled(&mut sum, hoop[i], &product[2][b]);
+                    }
+                    if a == b {
+                        add_scaled(&mut sum, 1.0, &geometric);
+                    }
+                    cell_rows[(i * D + a) * D + b] = sum;
                 }
             }
-            let traction: [f64; D] = std::array::from_fn(|b| {
-                volume * (0..D).map(|a| at.gradients[i][a] * response.stress[VOIGT[a][b]]).sum::<f64>()
-            });
-            for j in 0..N {
-                let geometric: f64 = (0..D).map(|b| traction[b] * at.gradients[j][b]).sum();
-                for a in 0..D {
-                    matrix[(i * D + a) * size + j * D + a] += geometric;
-                }
-                if axisymmetric {
-                    // Kratos leaves out 1/r² here: its tangent is not the derivative, which shows in
-                    // the iterates but not in the solution.
-                    let pair = if self.kratos_exact { at.functions[i] * at.functions[j] } else { hoop(i) * hoop(j) };
-                    matrix[i * D * size + j * D] += volume * pair * response.stress[2];
-                }
+            if axisymmetric {
+                // Kratos leaves out 1/r² here: its tangent is not the derivative, which shows in
+                // the iterates but not in the solution.
+                let (own, others) = if self.kratos_exact { (at.functions[i], &at.functions) } else { (hoop[i], &hoop) };
+                add_scaled(&mut cell_rows[i * D * D], volume * response.stress[2] * own, others);
             }
         }
     }
 }
 
-#[inline]
-fn add_scaled(row: &mut [f64], factor: f64, other: &[f64]) {
-    for (x, y) in row.iter_mut().zip(other) {
-        *x += factor * y;
+#[inline(always)]
+fn add_scaled<const N: usize>(sum: &mut [f64; N], factor: f64, other: &[f64; N]) {
+    for j in 0..N {
+        sum[j] += factor * other[j];
     }
 }
 
@@ -249,7 +283,7 @@ fn consistent_inertia<const D: usize, const N: usize>(
             for a in 0..D {
                 buffer.vector[i * D + a] -= share * state.inertia[j][a];
                 if with_matrix {
-                    buffer.matrix[(i * D + a) * size + j * D + a] += factor * share;
+                    buffer.matrix[(i * D + a) * size + a * N + j] += factor * share;
                 }
             }
         }

@@ -77,9 +77,8 @@ fn body_measure(model: &Model, points: &MaterialPoints) -> f64 {
         return 0.0;
     };
     let of_part = |elements: &[u32]| -> f64 {
-        let measure = |&e: &u32| {
-            bodies.elements.shapes[e as usize].measure(&bodies.corners(&bodies.elements, e as usize))
-        };
+        let measure =
+            |&e: &u32| bodies.elements.shapes[e as usize].measure(&bodies.corners(&bodies.elements, e as usize));
         elements.iter().map(measure).sum()
     };
     bodies.children.iter().map(|child| of_part(&child.elements)).sum()
@@ -129,9 +128,8 @@ pub(super) fn save_state(model: &Model, folder: &Path) -> Result<Vec<PathBuf>, E
     };
     let ids = order.iter().map(|&(b, p)| points.blocks[b as usize].ids[p as usize] as i32).collect();
     data.point_fields.push(Field { name: "ID".into(), components: 1, values: FieldData::I32(ids) });
-    let jacobians = order.iter().map(|&(b, p)| {
-        points.blocks[b as usize].deformation_gradient(p as usize).determinant()
-    });
+    let jacobians =
+        order.iter().map(|&(b, p)| points.blocks[b as usize].deformation_gradient(p as usize).determinant());
     data.point_fields.push(Field { name: "J".into(), components: 1, values: FieldData::F64(jacobians.collect()) });
     for (variable, used) in [
         ("MP_DISPLACEMENT", points.blocks[0].displacement.is_used()),

@@ -1,9 +1,7 @@
 //! Nodal forces of grid loads and of loads on material-point conditions (spec 07 §1-2).
 
 use crate::points::conditions::{PointConditions, cross, tangents};
-use crate::variables::{
-    LINE_LOAD, NEGATIVE_FACE_PRESSURE, POINT_LOAD, POSITIVE_FACE_PRESSURE, SURFACE_LOAD,
-};
+use crate::variables::{LINE_LOAD, NEGATIVE_FACE_PRESSURE, POINT_LOAD, POSITIVE_FACE_PRESSURE, SURFACE_LOAD};
 use bia_kernel::geometry::{Shape, rule};
 use bia_kernel::model::ModelPart;
 use bia_kernel::solving::ActiveDofs;

@@ -16,11 +16,12 @@ use bia_constitutive::Catalogue;
 use bia_kernel::diagnostic::InputErrors;
 use bia_kernel::error::{Error, Failure};
 use bia_kernel::geometry::CellLocator;
+use bia_kernel::io::json::JsonObject;
 use bia_kernel::linalg::LinearSolver;
 use bia_kernel::model::{Model, ModelPart};
-use bia_kernel::processes::{Clock, Context, Location, Requirements, RunOptions};
+use bia_kernel::processes::{Clock, Context, Location, Process, Requirements, ResetNodes, RunOptions};
 use bia_kernel::registry::{Registry, SolverEntry};
-use bia_kernel::solving::solver::{Inventory, Snapshot, Solver};
+use bia_kernel::solving::solver::{Inventory, Solver};
 use bia_kernel::solving::{ActiveDofs, Criterion, NonlinearSystem, StepReport, System};
 use problem::{Inertia, Problem};
 use std::path::{Path, PathBuf};
@@ -51,6 +52,15 @@ struct NodalOutput {
     reaction: bool,
 }
 
+/// What the log has been told once.
+#[derive(Default, Clone, Copy)]
+struct Told {
+    loss: bool,
+    linear: bool,
+    fall_back: bool,
+    imposed: bool,
+}
+
 /// The solver with what it keeps from step to step.
 pub struct Implicit {
     settings: SolverSettings,
@@ -70,7 +80,8 @@ pub struct Implicit {
     previous: Vec<[f64; 3]>,
     output: NodalOutput,
     stages: [(&'static str, Duration); 5],
-    warned_of_loss: bool,
+    told: Told,
+    arch: pulp::Arch,
 }
 
 const SEARCH: usize = 0;
@@ -99,7 +110,8 @@ impl Implicit {
             previous: Vec::new(),
             output: NodalOutput::default(),
             stages: stages.map(|name| (name, Duration::ZERO)),
-            warned_of_loss: false,
+            told: Told::default(),
+            arch: pulp::Arch::new(),
         }
     }
 
@@ -111,9 +123,9 @@ impl Implicit {
     fn update_active(&mut self, points: &mut MaterialPoints, grid: &ModelPart) -> Result<(), Error> {
         let Some(locator) = &self.locator else { return Ok(()) };
         let lost = search(points, locator, self.settings.erase_lost);
-        if lost > 0 && !self.warned_of_loss {
+        if lost > 0 && !self.told.loss {
             tracing::warn!("{lost} material points left the grid and were erased; more are counted in the summary");
-            self.warned_of_loss = true;
+            self.told.loss = true;
         }
         if points.is_empty() {
             let advice = "a larger grid, or walls that hold the bodies";
@@ -177,11 +189,17 @@ impl Implicit {
             for (node, value) in values.iter_mut().enumerate() {
                 for a in 0..3 {
                     let held = fixed.get(node).is_some_and(|fixed| fixed[a]);
-                    value[a] = match (held, self.options.kratos_exact) {
-                        (false, _) => 0.0,
-                        (true, false) => value[a],
-                        (true, true) => self.previous[node][a],
-                    };
+                    let kratos = if held { self.previous[node][a] } else { 0.0 };
+                    if held && value[a] != kratos && !self.options.kratos_exact && !self.told.imposed {
+                        self.told.imposed = true;
+                        tracing::info!(
+                            "imposed displacements change in time and act; Kratos 10.4.4 keeps those of the start \
+                             (--kratos-exact does, too)"
+                        );
+                    }
+                    if !held || self.options.kratos_exact {
+                        value[a] = kratos;
+                    }
                 }
             }
         }
@@ -222,6 +240,7 @@ impl Implicit {
             inertia: self.inertia.as_ref(),
             time_step,
             kratos_exact: self.options.kratos_exact,
+            arch: self.arch,
             increments: self.increments.clone(),
             assembled: self.increments.clone(),
         }
@@ -237,12 +256,7 @@ impl Implicit {
     }
 
     /// Forces that hold the fixed dofs: minus the residual at the solution.
-    fn write_reactions(
-        &mut self,
-        points: &MaterialPoints,
-        grid: &mut ModelPart,
-        time_step: f64,
-    ) -> Result<(), Error> {
+    fn write_reactions(&mut self, points: &MaterialPoints, grid: &mut ModelPart, time_step: f64) -> Result<(), Error> {
         let Some(mut system) = self.system.take() else { return Ok(()) };
         let result = self.problem(points, grid, time_step).assemble(&mut system, false);
         let held = system.rhs.iter().zip(self.dofs.fixed()).map(|(r, fixed)| if *fixed { -r } else { 0.0 });
@@ -284,6 +298,14 @@ impl Solver for Implicit {
         self.import_model(model, registry)
     }
 
+    fn processes(&self) -> Vec<Box<dyn Process>> {
+        // In statics each step starts from the increments of the last one, as in Kratos.
+        match self.settings.regime {
+            Regime::Static => Vec::new(),
+            _ => vec![Box::new(ResetNodes { part: GRID, variables: vec![DISPLACEMENT] })],
+        }
+    }
+
     fn initialize(&mut self, model: &mut Model, requirements: &Requirements) -> Result<(), InputErrors> {
         let wants = |name: &str| requirements.wants(Location::Nodes, name);
         self.output = NodalOutput {
@@ -296,7 +318,7 @@ impl Solver for Implicit {
     }
 
     fn before_solution_loop(&mut self, context: &mut Context) -> Result<(), Error> {
-        if let Some(grid) = context.model.part_mut(GRID).filter(|_| self.options.kratos_exact) {
+        if let Some(grid) = context.model.part_mut(GRID).filter(|_| self.settings.regime != Regime::Static) {
             let count = grid.nodes.len();
             self.previous = grid.node_fields.vector_mut(&DISPLACEMENT, count).to_vec();
         }
@@ -342,6 +364,13 @@ impl Solver for Implicit {
             let report = result?;
             this.stages[ASSEMBLY].1 += report.assembly;
             this.stages[LINEAR].1 += report.linear;
+            if !std::mem::replace(&mut this.told.linear, true) {
+                tracing::info!("linear solver: {}", this.linear.as_ref().map_or(String::new(), |linear| linear.name()));
+            }
+            if let Some(note) = report.note.as_ref().filter(|_| !this.told.fall_back) {
+                this.told.fall_back = true;
+                tracing::warn!("linear solver: {note}");
+            }
             Ok(report)
         })
     }
@@ -380,7 +409,7 @@ impl Solver for Implicit {
             if this.output.acceleration && this.dynamic() {
                 this.write_nodal(grid, &ACCELERATION, &accelerations);
             }
-            if this.options.kratos_exact {
+            if this.options.kratos_exact && this.settings.regime != Regime::Static {
                 let count = grid.nodes.len();
                 this.previous.copy_from_slice(grid.node_fields.vector_mut(&DISPLACEMENT, count));
             }
@@ -398,12 +427,12 @@ impl Solver for Implicit {
         inventory::energies(model)
     }
 
-    fn account(&self, model: &Model) -> Snapshot {
+    fn account(&self, model: &Model) -> serde_json::Map<String, serde_json::Value> {
         crate::record::account(model)
     }
 
-    fn snapshot(&self, model: &Model) -> Snapshot {
-        crate::record::snapshot(model)
+    fn snapshot(&self, model: &Model, out: &mut JsonObject) -> std::io::Result<()> {
+        crate::record::snapshot(model, out)
     }
 
     fn stages(&self) -> Vec<(&'static str, Duration)> {

@@ -1,12 +1,12 @@
 //! One step as a nonlinear system: residual and tangent over the active nodes.
 
 use super::active::ActiveCells;
-use super::element::{CellState, Integrator};
+use super::element::{CellState, CellTask, Integrator};
 use super::loads::Loads;
 use super::transfer::{NodalSums, corners, nodal_vectors, with_shape};
 use crate::points::MaterialPoints;
 use bia_kernel::error::{Error, Failure};
-use bia_kernel::geometry::{CellShape, Hexahedron8, Quadrilateral4, Shape, Tetrahedron4, Triangle3};
+use bia_kernel::geometry::{Hexahedron8, Quadrilateral4, Shape, Tetrahedron4, Triangle3};
 use bia_kernel::model::ModelPart;
 use bia_kernel::solving::scheme::Coefficients;
 use bia_kernel::solving::{ActiveDofs, CellBuffer, NonlinearSystem, System};
@@ -66,6 +66,8 @@ pub struct Problem<'a> {
     pub time_step: f64,
     /// Reproduce Kratos's tangents.
     pub kratos_exact: bool,
+    /// Instruction set.
+    pub arch: pulp::Arch,
     /// The unknowns.
     pub increments: Vec<f64>,
     /// The unknowns at the last assembly.
@@ -89,19 +91,11 @@ impl Problem<'_> {
                 increments: nodal_vectors(self.dofs, nodes, &self.increments),
                 inertia: nodal_vectors(self.dofs, nodes, weighted),
             };
-            integrate::<S, D, N>(integrator, &state, self.active.points(index), buffer, with_matrix)
+            let points = self.active.points(index);
+            let task = CellTask::<S, D, N> { integrator, state: &state, points, buffer, with_matrix, shape: std::marker::PhantomData };
+            self.arch.dispatch(task)
         }, else Ok(()))
     }
-}
-
-fn integrate<S: CellShape<D, N>, const D: usize, const N: usize>(
-    integrator: &Integrator,
-    state: &CellState<D, N>,
-    points: &[(u32, u32)],
-    buffer: &mut CellBuffer,
-    with_matrix: bool,
-) -> Result<(), Failure> {
-    integrator.cell::<S, D, N>(state, points, buffer, with_matrix)
 }
 
 impl NonlinearSystem for Problem<'_> {

@@ -250,10 +250,11 @@ fn answer(
     let mut responses = vec![Response::default(); updates.len()];
     let mut states = block.state.values()[range.start * length..range.end * length].to_vec();
     let law = block.law.as_ref();
-    let ask = |(grain, (deformations, (responses, states))): (usize, (&[Deformation], (&mut [Response], &mut [f64])))| {
-        let asked = law.respond(deformations, states, responses, Want::Stress);
-        asked.map_err(|(k, error)| (grain * GRAIN + k, error))
-    };
+    let ask =
+        |(grain, (deformations, (responses, states))): (usize, (&[Deformation], (&mut [Response], &mut [f64])))| {
+            let asked = law.respond(deformations, states, responses, Want::Stress);
+            asked.map_err(|(k, error)| (grain * GRAIN + k, error))
+        };
     let chunks = deformations.chunks(GRAIN).zip(responses.chunks_mut(GRAIN));
     let mut rest = states.as_mut_slice();
     let mut tasks = Vec::new();

@@ -91,7 +91,8 @@ pub fn generate(
     let mut made = PointConditions::default();
     let mut errors = InputErrors::default();
     let (nodes, conditions) = (grid.nodes.len(), grid.conditions.len());
-    let mut next_id = if elements > nodes && elements > conditions { elements } else { nodes.max(conditions) } as u32 + 1;
+    let mut next_id =
+        if elements > nodes && elements > conditions { elements } else { nodes.max(conditions) } as u32 + 1;
     let names: Vec<&str> = grid.children.iter().map(|child| child.name.as_str()).collect();
     for index in kratos_order(&names) {
         let part = &grid.children[index];
@@ -119,7 +120,8 @@ pub fn generate(
         }
     }
     if let Some(first) = outside.first() {
-        let message = format!("{} material-point conditions lie outside the grid, the first at {first:?}", outside.len());
+        let message =
+            format!("{} material-point conditions lie outside the grid, the first at {first:?}", outside.len());
         errors.push(Diagnostic::error(Default::default(), message));
     }
     made.grid_ids.sort_unstable();

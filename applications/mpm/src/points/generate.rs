@@ -148,7 +148,9 @@ fn new_block(plan: &Plan, body: usize, id: u32, element: u32) -> Result<Block, I
     let entry = properties.law.as_deref().and_then(|name| plan.catalogue.find(name));
     let only_plane_stress = entry.is_some_and(|entry| !entry.kinematics.contains(&Kinematics::PlaneStrain));
     let kinematics = match (plan.kinematics, entry) {
-        (Kinematics::PlaneStrain, Some(entry)) if only_plane_stress && entry.kinematics.contains(&Kinematics::PlaneStress) => {
+        (Kinematics::PlaneStrain, Some(entry))
+            if only_plane_stress && entry.kinematics.contains(&Kinematics::PlaneStress) =>
+        {
             Kinematics::PlaneStress
         }
         (kinematics, _) => kinematics,
@@ -198,7 +200,12 @@ fn add_element(
     let material = material_of(plan, block.material, element as u32)?;
     let shape = elements.shapes[element];
     if shape.dimension() != plan.kinematics.dimension() {
-        let message = format!("body element {} is a {}, which does not fit {}", elements.ids[element], shape.name(), plan.kinematics);
+        let message = format!(
+            "body element {} is a {}, which does not fit {}",
+            elements.ids[element],
+            shape.name(),
+            plan.kinematics
+        );
         return Err(Diagnostic::error(Default::default(), message).help("check domain_size and the element names"));
     }
     let wanted = material.properties.number("MATERIAL_POINTS_PER_ELEMENT").unwrap_or(0.0);
@@ -210,7 +217,11 @@ fn add_element(
         let message = format!("MATERIAL_POINTS_PER_ELEMENT is {wanted}, which a {} does not have", shape.name());
         return Err(place.error(message).help(format!("allowed: {}", counts.join(", "))));
     };
-    let corners = plan.bodies.corners(elements, element);
+    let mut corners = plan.bodies.corners(elements, element);
+    if plan.kinematics.dimension() == 2 {
+        // A plane scene lies at z = 0, whatever the file says.
+        corners.iter_mut().for_each(|corner| corner[2] = 0.0);
+    }
     let mut functions = vec![0.0; corners.len()];
     for point in &points {
         shape.functions(point.xi, &mut functions);

@@ -1,0 +1,55 @@
+//! The reset of a grid that carries nothing from step to step.
+
+use super::{Context, Process};
+use crate::error::Error;
+use crate::variables::Variable;
+
+/// Sets vector variables of all nodes of a root part to zero at the start of each step, before
+/// other processes write theirs. Solvers whose grid is reset put it at the head of the pipeline.
+pub struct ResetNodes {
+    /// Root part.
+    pub part: &'static str,
+    /// Variables to reset; those without a column are left out.
+    pub variables: Vec<Variable>,
+}
+
+impl Process for ResetNodes {
+    fn name(&self) -> &str {
+        "reset_nodes"
+    }
+
+    fn execute_initialize_solution_step(&mut self, context: &mut Context) -> Result<(), Error> {
+        if let Some(part) = context.model.part_mut(self.part) {
+            for variable in &self.variables {
+                if part.node_fields.vector(variable).is_some() {
+                    part.node_fields.vector_mut(variable, 0).fill([0.0; 3]);
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::{Model, ModelPart};
+    use crate::processes::{Clock, RunOptions};
+
+    #[test]
+    fn only_existing_columns_are_reset() {
+        const MOVED: Variable = Variable::vector("MOVED", "m", "");
+        const OTHER: Variable = Variable::vector("OTHER", "m", "");
+        let mut model = Model::default();
+        let mut part = ModelPart::new("Grid");
+        part.node_fields.vector_mut(&MOVED, 2)[1] = [1.0; 3];
+        model.insert(part);
+        let (clock, options) = (Clock::default(), RunOptions::default());
+        let mut context = Context { model: &mut model, clock: &clock, options: &options };
+        let mut reset = ResetNodes { part: "Grid", variables: vec![MOVED, OTHER] };
+        reset.execute_initialize_solution_step(&mut context).unwrap();
+        let fields = &model.part("Grid").unwrap().node_fields;
+        assert_eq!(fields.vector(&MOVED), Some(&[[0.0; 3]; 2][..]));
+        assert!(fields.vector(&OTHER).is_none());
+    }
+}
