@@ -2,6 +2,7 @@
 
 mod active;
 mod element;
+mod forgiving;
 mod inventory;
 mod loads;
 mod problem;

@@ -1,5 +1,6 @@
 //! Set-up of the implicit solver: meshes, materials, points, columns; and the motion of conditions.
 
+use super::forgiving::Forgiving;
 use super::{GRID, Implicit};
 use crate::points::conditions::{self, PointConditions, Requests};
 use crate::points::{Columns, Plan, fields, generate};
@@ -96,7 +97,8 @@ impl Implicit {
         points.conditions = conditions::generate(grid, &requests, &locator, elements)?;
         let symmetric = points.blocks.iter().all(|block| block.law.is_symmetric());
         let linear = solver(self.settings.linear_method(symmetric)?);
-        self.linear = Some(linear);
+        self.linear =
+            Some(if symmetric && self.options.kratos_exact { Box::new(Forgiving::new(linear)) } else { linear });
         tracing::debug!("{}", locator.describe());
         self.locator = Some(locator);
         model.extend(points);
