@@ -107,7 +107,9 @@ impl Scene {
     pub fn base() -> Self {
         let floor: String = (1..=5).map(|id| format!("{id}\n")).collect();
         let grid = mesh("Element2D4N", 0, 4, [0.0, 0.0], 0.25)
-            + &format!("Begin SubModelPart Floor\nBegin SubModelPartNodes\n{floor}End SubModelPartNodes\nEnd SubModelPart\n");
+            + &format!(
+                "Begin SubModelPart Floor\nBegin SubModelPartNodes\n{floor}End SubModelPartNodes\nEnd SubModelPart\n"
+            );
         let body = mesh("MPMUpdatedLagrangian2D4N", 100, 2, [0.25, 0.0], 0.25) + &part("Cube", 101..=109, 101..=104);
         let texts = [(PROJECT, PROJECT_TEXT.into()), (MATERIALS, MATERIALS_TEXT.into()), (GRID, grid), (BODY, body)];
         Self { files: texts.into_iter().map(|(name, text): (&str, String)| (name.into(), text.into_bytes())).collect() }
@@ -115,11 +117,6 @@ impl Scene {
 
     pub fn text(&self, file: &str) -> String {
         String::from_utf8(self.files[file].clone()).unwrap()
-    }
-
-    /// The line that holds `what`, counted from 1.
-    pub fn line_of(&self, file: &str, what: &str) -> usize {
-        self.text(file).lines().position(|line| line.contains(what)).unwrap_or_else(|| panic!("{what:?} in {file}")) + 1
     }
 
     /// Replaces a text that stands exactly once.

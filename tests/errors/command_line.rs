@@ -11,7 +11,10 @@ fn arguments() {
         (&["--set", "/problem_data/end_time"], &["has no =", "/json/pointer=value"]),
         (&["--set", "problem_data/end_time=1"], &["problem_data/end_time", "a pointer looks like /"]),
         (&["--set", "/problem_dota/end_time=1"], &["/problem_dota/end_time", "its parent does not exist"]),
-        (&["--set", "/problem_data/end_time=-1"], &["at /problem_data/end_time", "set on the command line", "end_time is -1"]),
+        (
+            &["--set", "/problem_data/end_time=-1"],
+            &["at /problem_data/end_time", "set on the command line", "end_time is -1"],
+        ),
         (&["--set", "/processes/gravity/3=1"], &["no such entry"]),
         (&["--threads", "0"], &["--threads", "0"]),
         (&["--record", "r.json", "--record-states", "0"], &["--record-states", "0"]),

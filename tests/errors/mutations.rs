@@ -33,7 +33,8 @@ fn strange_values() -> Vec<Value> {
     let mut values = vec![Value::Null, json!(true), json!([]), json!({}), json!([[[]]]), json!({"": {"~/": 1}})];
     values.extend([0.0, -1.0, 0.5, 1e308, -1e308, 1e-308, 4294967296.0, 1e18].map(|x| json!(x)));
     values.extend([0i64, 1, 2, 3, -1, i64::MAX, i64::MIN].map(|i| json!(i)));
-    let texts = ["", ".", "..", "é", "t", "1/0", "log(-1)", "x if t else", "End", "MPM_Material", "Background_Grid", "\u{0}"];
+    let texts =
+        ["", ".", "..", "é", "t", "1/0", "log(-1)", "x if t else", "End", "MPM_Material", "Background_Grid", "\u{0}"];
     values.extend(texts.map(|text| json!(text)));
     values
 }
@@ -47,7 +48,9 @@ fn pointers(value: &Value, here: &str, list: &mut Vec<String>) {
                 pointers(member, &format!("{here}/{}", key.replace('~', "~0").replace('/', "~1")), list);
             }
         }
-        Value::Array(entries) => entries.iter().enumerate().for_each(|(i, v)| pointers(v, &format!("{here}/{i}"), list)),
+        Value::Array(entries) => {
+            entries.iter().enumerate().for_each(|(i, v)| pointers(v, &format!("{here}/{i}"), list))
+        }
         _ => {}
     }
 }
@@ -91,7 +94,10 @@ fn spoil_text(text: &str, random: &mut Random) -> String {
         match random.below(4) {
             0 => drop(letters.drain(start..end)),
             1 => drop(letters.splice(start..start, piece)),
-            2 => letters[start] = random.of(&['"', '{', '}', '[', ']', ',', ':', '/', '*', '\\', 'e', '-', '9', 'é', '\n']),
+            2 => {
+                letters[start] =
+                    random.of(&['"', '{', '}', '[', ']', ',', ':', '/', '*', '\\', 'e', '-', '9', 'é', '\n'])
+            }
             _ => {
                 let place = random.below(letters.len());
                 drop(letters.splice(place..place, piece));

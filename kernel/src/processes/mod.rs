@@ -5,7 +5,7 @@ mod reset;
 mod value;
 
 pub use reset::ResetNodes;
-pub use value::{Interval, SpaceTimeValue};
+pub use value::{Interval, SpaceTimeValue, not_finite};
 
 use crate::diagnostic::InputErrors;
 use crate::error::Error;
