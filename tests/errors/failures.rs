@@ -30,7 +30,11 @@ fn a_free_body_in_statics_is_singular() {
 #[test]
 fn an_inverted_deformation_names_its_point() {
     let scene = Scene::base().replace(PROJECT, "9.81", "1e8");
-    fails("gravity", &scene, &["step 1, time 0.01", "material point", "at (0.", "J of this step = -", "smaller time step"]);
+    fails(
+        "gravity",
+        &scene,
+        &["step 1, time 0.01", "material point", "at (0.", "J of this step = -", "smaller time step"],
+    );
 }
 
 #[test]

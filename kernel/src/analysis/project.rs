@@ -142,10 +142,11 @@ fn process_blocks(root: &Parameters, errors: &mut InputErrors) -> (Vec<Parameter
     };
     let (mut processes, outputs) = (blocks("processes"), blocks("output_processes"));
     let legacy: Vec<Parameters> = LEGACY_LISTS.iter().filter_map(|name| root.child(name)).collect();
+    let blocks: Vec<Parameters> = legacy.iter().filter_map(|list| errors.absorb(list.list())).flatten().collect();
     if let Some(first) = legacy.first() {
         if processes.is_empty() {
-            processes = legacy.iter().filter_map(|list| errors.absorb(list.list())).flatten().collect();
-        } else if legacy.iter().any(|list| !list.value().as_array().is_some_and(Vec::is_empty)) {
+            processes = blocks;
+        } else if !blocks.is_empty() {
             errors.push(first.error("lists of processes at the root cannot stand beside \"processes\""));
         }
     }

@@ -43,16 +43,7 @@ impl Document {
         // A byte order mark is no content.
         let text = text.strip_prefix('\u{feff}').map_or_else(|| text.clone(), str::to_owned);
         let clean = without_comments(&text);
-        let root = serde_json::from_str(&clean).map_err(|error| {
-            let mut place = Place::line(path, error.line());
-            place.column = Some(error.column());
-            let mut message = error.to_string();
-            if let Some(end) = message.find(" at line") {
-                message.truncate(end);
-            }
-            Diagnostic::error(place, format!("is not JSON: {message}"))
-                .help("look for a missing comma, quote or bracket just before this place")
-        })?;
+        let root = serde_json::from_str(&clean).map_err(|error| syntax_error(path, &text, &error))?;
         let mut errors = InputErrors::default();
         for (pointer, first, second) in doubles(clean.as_bytes()) {
             let place = place_at(path, &pointer, &text, second);
@@ -124,6 +115,23 @@ impl Document {
             None => place,
         }
     }
+}
+
+fn syntax_error(path: &Path, text: &str, error: &serde_json::Error) -> Diagnostic {
+    let line = text.lines().nth(error.line().saturating_sub(1)).unwrap_or_default();
+    // The parser counts bytes, people count letters.
+    let column = line.char_indices().take_while(|(byte, _)| byte + 1 < error.column()).count() + 1;
+    let place = Place { column: Some(column), ..Place::line(path, error.line()) };
+    let message = error.to_string();
+    let message = message.split(" at line").next().unwrap_or_default();
+    let help = match message {
+        "number out of range" => "a number must be smaller than 1.8e308",
+        "expected ident" | "expected value" => {
+            "a value is a number, \"text\", true, false, null, a list or an object; JSON has no nan or infinity"
+        }
+        _ => "look for a missing comma, quote or bracket just before this place",
+    };
+    Diagnostic::error(place, format!("is not JSON: {message}")).help(help)
 }
 
 fn place_at(path: &Path, pointer: &str, text: &str, offset: usize) -> Place {
@@ -349,6 +357,8 @@ mod tests {
         let errors = Document::parse(Path::new("f.json"), "{\n \"a\": 1,\n}".into()).unwrap_err();
         assert_eq!(errors.0[0].place.line, Some(3));
         assert!(errors.to_string().contains("trailing comma"), "{errors}");
+        let errors = Document::parse(Path::new("f.json"), "{\"é\": \"ü\" 1}".into()).unwrap_err();
+        assert_eq!(errors.0[0].place.column, Some(11), "{errors}");
     }
 
     #[test]

@@ -329,7 +329,7 @@ impl Solver for Implicit {
         if step > 0.0 && clock.time + step > clock.time {
             return Ok(step);
         }
-        let what = format!("the time step {step} does not advance the time {}", clock.time);
+        let what = format!("the time step {step:?} does not advance the time {:?}", clock.time);
         Err(Failure::new(what, "a positive time step, also beyond the ends of the table").into())
     }
 

@@ -5,7 +5,7 @@ use super::conditions::PointConditions;
 use crate::materials::Material;
 use bia_constitutive::{Catalogue, Kinematics, MaterialPlaces, Options};
 use bia_kernel::diagnostic::{Diagnostic, InputErrors, Place};
-use bia_kernel::geometry::{CellLocator, rule};
+use bia_kernel::geometry::{CellLocator, QuadraturePoint, rule};
 use bia_kernel::io::mdpa;
 use bia_kernel::model::{ModelPart, Properties, kratos_order};
 use bia_kernel::parameters::Parameters;
@@ -84,6 +84,12 @@ pub fn generate(plan: &Plan) -> Result<MaterialPoints, InputErrors> {
                 Some(position) => &mut points.blocks[first_block + position],
                 None => {
                     let Some(block) = errors.absorb(new_block(plan, body, material, element)) else {
+                        // Its number of points may be at fault, too.
+                        let of_material = plan.materials.iter().find(|m| m.properties.id == material);
+                        let count = of_material.and_then(|m| m.properties.number("MATERIAL_POINTS_PER_ELEMENT"));
+                        if count.is_some_and(|count| count > 0.0) {
+                            errors.absorb(integration(plan, material, element as usize));
+                        }
                         refused.push(material);
                         continue;
                     };
@@ -225,16 +231,13 @@ fn density(properties: &Properties) -> f64 {
     properties.number("DENSITY").unwrap_or(f64::NAN)
 }
 
-/// Adds the points of one element with position, mass, cell and local coordinates.
-fn add_element(
-    plan: &Plan,
-    block: &mut Block,
-    element: usize,
-    next_id: &mut u32,
-    outside: &mut Outside,
-) -> Result<(), InputErrors> {
+/// The integration points of an element that become material points.
+///
+/// # Errors
+/// A shape that does not fit the kinematics, a number of points that the shape does not have.
+fn integration(plan: &Plan, id: u32, element: usize) -> Result<Vec<QuadraturePoint>, InputErrors> {
     let elements = &plan.bodies.elements;
-    let material = material_of(plan, block.material, element as u32)?;
+    let material = material_of(plan, id, element as u32)?;
     let shape = elements.shapes[element];
     if shape.dimension() != plan.kinematics.dimension() {
         let message = format!(
@@ -248,12 +251,26 @@ fn add_element(
     }
     let wanted = material.properties.number("MATERIAL_POINTS_PER_ELEMENT").unwrap_or(0.0);
     let points = if wanted.fract() == 0.0 { rule(shape, wanted as usize).ok() } else { None };
-    let Some(points) = points else {
+    points.ok_or_else(|| {
         let counts = bia_kernel::geometry::allowed_counts(shape).iter().map(ToString::to_string).collect::<Vec<_>>();
         let place = value_of(material, Some("MATERIAL_POINTS_PER_ELEMENT"));
         let message = format!("MATERIAL_POINTS_PER_ELEMENT is {wanted}, which a {} does not have", shape.name());
-        return Err(place.error(message).help(format!("allowed: {}", counts.join(", "))).into());
-    };
+        place.error(message).help(format!("allowed: {}", counts.join(", "))).into()
+    })
+}
+
+/// Adds the points of one element with position, mass, cell and local coordinates.
+fn add_element(
+    plan: &Plan,
+    block: &mut Block,
+    element: usize,
+    next_id: &mut u32,
+    outside: &mut Outside,
+) -> Result<(), InputErrors> {
+    let elements = &plan.bodies.elements;
+    let material = material_of(plan, block.material, element as u32)?;
+    let shape = elements.shapes[element];
+    let points = integration(plan, block.material, element)?;
     let mut corners = plan.bodies.corners(elements, element);
     if plan.kinematics.dimension() == 2 {
         // A plane scene lies at z = 0, whatever the file says.
