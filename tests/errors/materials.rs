@@ -281,6 +281,13 @@ fn all_faults_of_the_materials_come_together() {
 }
 
 #[test]
+fn null_stands_for_no_tables() {
+    let outcome =
+        Scene::base().replace(MATERIALS, "\"Variables\"", "\"Tables\": null, \"Variables\"").command("check", &[]);
+    assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+}
+
+#[test]
 fn the_old_name_of_the_number_of_points_is_accepted() {
     let outcome = Scene::base().replace(MATERIALS, "MATERIAL_POINTS_PER_ELEMENT", "PARTICLES_PER_ELEMENT").run(&[]);
     assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);

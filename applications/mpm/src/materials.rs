@@ -108,7 +108,10 @@ fn read_entry(entry: &Parameters, catalogue: &Catalogue) -> Result<(String, Prop
     let mut properties = Properties { id, ..Properties::default() };
     if let Some(material) = settings.nested("Material") {
         properties.law = material.nested("constitutive_law").map(|law| law.text("name").to_string());
-        let mut members = |key: &str| material.get(key).and_then(|object| errors.absorb(object.object()));
+        // Kratos's own projects write null for none.
+        let mut members = |key: &str| {
+            material.get(key).filter(|m| !m.value().is_null()).and_then(|object| errors.absorb(object.object()))
+        };
         let (variables, tables) = (members("Variables"), members("Tables"));
         for (name, value) in variables.unwrap_or_default() {
             let Some((last, number)) = errors.absorb(read_variable(&name, &value, catalogue)) else { continue };
