@@ -58,15 +58,10 @@ fn space_dynamics_with_body_acceleration() {
     let body = Mesh::block(Cell::Hexahedron, [6, 6, 6], [0.1; 3], [0.8; 3]);
     let functions = json!(["sin(9*y)*t", "-9.81", "x*cos(z)"]);
     let acceleration = json!({"model_part_name": "MPM_Material", "value": functions});
-    let scene = Scene::new(
-        grid,
-        body,
-        material("HyperElasticNeoHookean3DLaw", 8, 1000.0, 1e5, 0.3),
-        dynamic("bossak"),
-        0.014,
-    )
-    .with(process("assign_body_acceleration_to_material_point_process", acceleration))
-    .with(velocity(json!(["z", "-x", "y*x"])));
+    let scene =
+        Scene::new(grid, body, material("HyperElasticNeoHookean3DLaw", 8, 1000.0, 1e5, 0.3), dynamic("bossak"), 0.014)
+            .with(process("assign_body_acceleration_to_material_point_process", acceleration))
+            .with(velocity(json!(["z", "-x", "y*x"])));
     assert_same_bits("space, dynamic", &scene);
 }
 
@@ -91,9 +86,10 @@ fn iterative_solver_in_space() {
     let mesh = Mesh::block(Cell::Tetrahedron, [5, 5, 4], [0.0; 3], [1.0; 3]);
     let solver = json!({"solver_type": "quasi_static", "residual_relative_tolerance": 1e-6,
                         "linear_solver_settings": {"solver_type": "amgcl", "krylov_type": "cg", "tolerance": 1e-9}});
-    let scene = Scene::new(mesh.clone(), mesh, material("LinearElasticIsotropic3DLaw", 4, 1000.0, 1e6, 0.3), solver, 2.0)
-        .part("Floor", |x| x[2] == 0.0)
-        .with(fix("Floor", json!([0.0, 0.0, 0.0])))
-        .with(gravity([1.0, 0.0, -9.81]));
+    let scene =
+        Scene::new(mesh.clone(), mesh, material("LinearElasticIsotropic3DLaw", 4, 1000.0, 1e6, 0.3), solver, 2.0)
+            .part("Floor", |x| x[2] == 0.0)
+            .with(fix("Floor", json!([0.0, 0.0, 0.0])))
+            .with(gravity([1.0, 0.0, -9.81]));
     assert_same_bits("space, quasi-static, iterative", &scene);
 }

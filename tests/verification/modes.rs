@@ -67,7 +67,8 @@ fn statics_with_gravity_have_no_velocity_by_default() {
         let run = |arguments: &[&str]| {
             let mesh = Mesh::block(Cell::Triangle, [3, 3, 1], [0.0; 3], [1.0, 1.0, 0.0]);
             let material = material("LinearElasticIsotropicPlaneStrain2DLaw", 3, 1000.0, 1e6, 0.3);
-            let solver = json!({"solver_type": kind, "time_stepping": {"time_step": dt}, "residual_relative_tolerance": 1e-8});
+            let solver =
+                json!({"solver_type": kind, "time_stepping": {"time_step": dt}, "residual_relative_tolerance": 1e-8});
             let mut all = vec!["--record-states", "2"];
             all.extend(arguments);
             Scene::new(mesh.clone(), mesh, material, solver, 0.5)

@@ -54,9 +54,12 @@ fn lines_and_points_in_the_plane() {
         let right: Vec<Vec<usize>> = (0..6).map(|j| vec![9 * j + 8, 9 * j + 17]).collect();
         scene.loads.push(("Right", "MPMGridLineLoadCondition2D2N", right));
         scene.loads.push(("Tip", "MPMGridPointLoadCondition2D1N", vec![vec![62]]));
-        let scene = scene
-            .with(load("Right", "LINE_LOAD", json!(3000.0), [0.0, 1.0, 0.0]))
-            .with(load("Tip", "POINT_LOAD", json!(40.0), [-1.0, 0.0, 0.0]));
+        let scene = scene.with(load("Right", "LINE_LOAD", json!(3000.0), [0.0, 1.0, 0.0])).with(load(
+            "Tip",
+            "POINT_LOAD",
+            json!(40.0),
+            [-1.0, 0.0, 0.0],
+        ));
         assert_balance(&scene, [-40.0, 3000.0 * 0.16, 0.0]);
     }
 }
