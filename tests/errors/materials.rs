@@ -130,7 +130,7 @@ fn laws() {
             "of space",
             |s| s.replace(MATERIALS, LAW, "HyperElasticNeoHookean3DLaw"),
             &[
-                "is for three-dimensional elements, but these elements are plane strain",
+                "is for three-dimensional or uniaxial strain elements",
                 "use HyperElasticNeoHookeanPlaneStrain2DLaw",
             ],
         ),

@@ -182,7 +182,7 @@ fn solver_settings() {
         (
             "domain size 4",
             |s| s.replace(PROJECT, "\"domain_size\": 2", "\"domain_size\": 4"),
-            &["is 4, must be 2 or 3"],
+            &["is 4, must be 1, 2 or 3"],
         ),
         (
             "axisymmetric in space",
