@@ -13,7 +13,10 @@ const IMPORT: &[Key] = &[
     Key::new("input_type", Kind::Choice(&["mdpa", "use_input_model_part"]), "\"mdpa\"", "where the mesh comes from"),
     Key::new("input_filename", Kind::Text, "\"\"", "mdpa file, with or without .mdpa"),
 ];
-const MATERIALS: &[Key] = &[Key::new("materials_filename", Kind::Text, "\"\"", "materials file")];
+const MATERIALS: &[Key] = &[
+    Key::new("materials_filename", Kind::Text, "\"\"", "materials file"),
+    Key::optional("materials", Kind::List, "the entries of the materials file's list \"properties\", here"),
+];
 const SEARCH: &[Key] = &[
     Key::new("search_algorithm_type", Kind::Choice(&["bin_based"]), "\"bin_based\"", "accepted; Bia chooses"),
     Key::new("max_number_of_results", Kind::Integer { min: 1 }, "1000", "accepted"),
@@ -94,6 +97,15 @@ pub enum MeshSource {
     Modeler,
 }
 
+/// Where the materials come from.
+#[derive(Debug, Clone)]
+pub enum MaterialSource {
+    /// A materials file.
+    File(PathBuf),
+    /// A list in the project.
+    Project(Parameters),
+}
+
 /// The step as a number or as a function of time.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Stepping {
@@ -133,8 +145,8 @@ pub struct SolverSettings {
     pub grid: MeshSource,
     /// Mesh of the bodies.
     pub bodies: MeshSource,
-    /// Materials file.
-    pub materials: PathBuf,
+    /// Materials.
+    pub materials: MaterialSource,
     /// The settings as read, for places in messages.
     pub settings: Settings,
 }
@@ -169,7 +181,7 @@ impl SolverSettings {
         let stepping = errors.absorb(stepping(&s));
         let grid = errors.absorb(mesh(&s, "grid_model_import_settings", folder));
         let bodies = errors.absorb(mesh(&s, "model_import_settings", folder));
-        let materials = errors.absorb(materials_file(&s, folder));
+        let materials = errors.absorb(materials(&s, folder));
         let parts = (stepping, grid, bodies, materials);
         let (Some(stepping), Some(grid), Some(bodies), Some(materials)) = parts else {
             return Err(errors);
@@ -282,13 +294,21 @@ fn mesh(s: &Settings, key: &str, folder: &std::path::Path) -> Result<MeshSource,
     Ok(MeshSource::File(file))
 }
 
-fn materials_file(s: &Settings, folder: &std::path::Path) -> Result<PathBuf, InputErrors> {
-    let nested = s.nested("material_import_settings");
-    match nested.map(|n| n.text("materials_filename")) {
-        Some(name) if !name.is_empty() => Ok(folder.join(name)),
-        _ => {
+fn materials(s: &Settings, folder: &std::path::Path) -> Result<MaterialSource, InputErrors> {
+    let Some(nested) = s.nested("material_import_settings") else {
+        return Err(s.error("material_import_settings", "must be an object").into());
+    };
+    match (nested.text("materials_filename"), nested.get("materials")) {
+        ("", Some(list)) => Ok(MaterialSource::Project(list.clone())),
+        ("", None) => {
             let message = "\"materials_filename\" is missing";
-            Err(s.error("material_import_settings", message).help("name the materials file").into())
+            let help = "name the materials file, or write its list here as \"materials\"";
+            Err(s.error("material_import_settings", message).help(help).into())
+        }
+        (name, None) => Ok(MaterialSource::File(folder.join(name))),
+        (_, Some(list)) => {
+            let message = "the materials stand here and in \"materials_filename\"";
+            Err(list.error(message).help("keep one of the two").into())
         }
     }
 }
