@@ -99,6 +99,8 @@ impl Registry {
     pub fn with_kernel() -> Self {
         let mut registry = Self::default();
         crate::processes::assign::register(&mut registry);
+        crate::processes::json::register(&mut registry);
+        crate::processes::vtk::register(&mut registry);
         crate::modelers::register(&mut registry);
         registry
     }

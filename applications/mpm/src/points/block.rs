@@ -79,6 +79,12 @@ impl Block {
         expand(self.gradient.row(point))
     }
 
+    /// Position of a point in m; the third coordinate is 0 in the plane.
+    pub fn coordinates(&self, point: usize) -> [f64; 3] {
+        let row = self.position.row(point);
+        std::array::from_fn(|i| row.get(i).copied().unwrap_or(0.0))
+    }
+
     /// Volume of a point in m³ from its mass and deformation.
     pub fn current_volume(&self, point: usize) -> f64 {
         self.mass.row(point)[0] / self.density * self.deformation_gradient(point).determinant()

@@ -101,7 +101,11 @@ impl Process for AssignToPoints {
 
 /// Checks that a process's part of points is a body, before the points exist.
 pub fn check_part(model: &Model, settings: &Settings) -> Result<(), InputErrors> {
-    let path = settings.text("model_part_name");
+    check_path(model, settings, settings.text("model_part_name"))
+}
+
+/// Checks that the path that the settings give selects a body, before the points exist.
+pub fn check_path(model: &Model, settings: &Settings, path: &str) -> Result<(), InputErrors> {
     let Some(initial) = model.parts().iter().find(|part| part.name.starts_with("Initial_")) else { return Ok(()) };
     let name = initial.name.trim_start_matches("Initial_");
     let (root, below) = path.split_once('.').map_or((path, None), |(root, below)| (root, Some(below)));

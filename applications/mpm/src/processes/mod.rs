@@ -2,10 +2,9 @@
 
 mod acceleration;
 mod energy;
-//mod json_check;
-//mod json_output;
+mod json;
 mod neumann;
-//mod vtk;
+mod vtk;
 
 use bia_kernel::registry::Registry;
 
@@ -14,7 +13,6 @@ pub fn register(registry: &mut Registry) {
     acceleration::register(registry);
     neumann::register(registry);
     energy::register(registry);
-    //json_output::register(registry);
-    //json_check::register(registry);
-    //vtk::register(registry);
+    json::register(registry);
+    vtk::register(registry);
 }
