@@ -72,6 +72,9 @@ pub struct ModelerEntry {
     pub build: fn(Building) -> Result<Box<dyn Modeler>, InputErrors>,
 }
 
+/// Builds a solver from `solver_settings`.
+pub type BuildSolver = fn(&Parameters, &Registry, &RunOptions) -> Result<Box<dyn Solver>, InputErrors>;
+
 /// A solver and how to build it.
 #[derive(Clone, Copy)]
 pub struct SolverEntry {
@@ -80,7 +83,7 @@ pub struct SolverEntry {
     /// What it does.
     pub help: &'static str,
     /// Builds it from `solver_settings`.
-    pub build: fn(&Parameters, &Registry, &RunOptions) -> Result<Box<dyn Solver>, InputErrors>,
+    pub build: BuildSolver,
 }
 
 /// All components.

@@ -307,9 +307,14 @@ mod tests {
     fn values_between_times_are_those_of_kratos() {
         let history = read(r#"{"TIME": [1.0, 2.0, 3.0], "N": {"T": [10.0, 20.0, 40.0]}}"#).unwrap();
         let numbers = [10.0, 20.0, 40.0];
-        for (time, nearest, linear) in
-            [(0.5, 10.0, 5.0), (1.0, 10.0, 10.0), (1.25, 10.0, 12.5), (1.5, 20.0, 15.0), (2.6, 40.0, 32.0), (4.0, 40.0, 60.0)]
-        {
+        for (time, nearest, linear) in [
+            (0.5, 10.0, 5.0),
+            (1.0, 10.0, 10.0),
+            (1.25, 10.0, 12.5),
+            (1.5, 20.0, 15.0),
+            (2.6, 40.0, 32.0),
+            (4.0, 40.0, 60.0),
+        ] {
             assert_eq!(history.at(&numbers, time, Lookup::Nearest), Some(nearest), "{time}");
             assert_eq!(history.at(&numbers, time, Lookup::Linear), Some(linear), "{time}");
         }

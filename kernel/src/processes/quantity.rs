@@ -28,7 +28,8 @@ impl Quantity {
     pub fn read_list(settings: &Settings, key: &str, registry: &Registry) -> Result<Vec<Self>, InputErrors> {
         let mut errors = InputErrors::default();
         let entries = settings.get(key).map_or(Vec::new(), Parameters::entries);
-        let list: Vec<Self> = entries.into_iter().filter_map(|entry| errors.absorb(Self::read(entry, registry))).collect();
+        let list: Vec<Self> =
+            entries.into_iter().filter_map(|entry| errors.absorb(Self::read(entry, registry))).collect();
         errors.or(list)
     }
 

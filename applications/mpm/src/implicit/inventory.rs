@@ -3,7 +3,7 @@
 use super::setup::points_of;
 use super::{GRID, Implicit};
 use crate::points::fields::{append, total_energies};
-use crate::points::{Block, MaterialPoints};
+use crate::points::{Block, MaterialPoints, Selection};
 use bia_kernel::error::Error;
 use bia_kernel::io::dataset::{CellsOf, Dataset, Field, FieldData};
 use bia_kernel::io::vtu::{VtuOptions, write_vtu};
@@ -104,7 +104,7 @@ fn columns(points: &MaterialPoints, used: bool) -> String {
 /// Energies that the columns in use allow.
 pub(super) fn energies(model: &Model) -> Vec<(&'static str, f64)> {
     let Some(points) = points_of(model) else { return Vec::new() };
-    let energies = total_energies(points, None);
+    let energies = total_energies(points, Selection::All);
     let block = points.blocks.first();
     let mut list = vec![("potential", energies.potential)];
     if block.is_some_and(|block| block.velocity.is_used()) {
@@ -119,7 +119,7 @@ pub(super) fn energies(model: &Model) -> Vec<(&'static str, f64)> {
 /// Writes the points with every column in use to `failed_state.vtu`.
 pub(super) fn save_state(model: &Model, folder: &Path) -> Result<Vec<PathBuf>, Error> {
     let Some(points) = points_of(model) else { return Ok(Vec::new()) };
-    let order = points.by_id(None);
+    let order = points.by_id(Selection::All);
     let mut data = Dataset {
         points: order.iter().map(|&(b, p)| position(&points.blocks[b as usize], p as usize)).collect(),
         cells: CellsOf::Vertices,

@@ -242,20 +242,21 @@ fn answer(
     let mut responses = vec![Response::default(); updates.len()];
     let mut states = block.state.values()[range.start * length..range.end * length].to_vec();
     let law = block.law.as_ref();
-    let ask =
-        |(grain, (deformations, (responses, states))): (usize, (&[Deformation], (&mut [Response], &mut [f64])))| {
-            let asked = law.respond(deformations, states, responses, Want::Stress);
-            asked.map_err(|(k, error)| (grain * GRAIN + k, error))
-        };
-    let chunks = deformations.chunks(GRAIN).zip(responses.chunks_mut(GRAIN));
-    let mut rest = states.as_mut_slice();
     let mut tasks = Vec::new();
-    for (deformations, responses) in chunks {
+    let mut rest = states.as_mut_slice();
+    for (deformations, responses) in deformations.chunks(GRAIN).zip(responses.chunks_mut(GRAIN)) {
         let (of_chunk, after) = std::mem::take(&mut rest).split_at_mut(deformations.len() * length);
         rest = after;
-        tasks.push((deformations, (responses, of_chunk)));
+        tasks.push((deformations, responses, of_chunk));
     }
-    let answers: Vec<_> = tasks.into_par_iter().enumerate().map(ask).collect();
+    let answers: Vec<_> = tasks
+        .into_par_iter()
+        .enumerate()
+        .map(|(grain, (deformations, responses, states))| {
+            let asked = law.respond(deformations, states, responses, Want::Stress);
+            asked.map_err(|(k, error)| (grain * GRAIN + k, error))
+        })
+        .collect();
     if let Some((k, error)) = answers.into_iter().find_map(Result::err) {
         return Err(law_failure(block, range.start + k, &deformations[k].gradient, &error));
     }

@@ -170,6 +170,22 @@ pub fn compress(gradient: &Matrix3<f64>, row: &mut [f64]) {
     }
 }
 
+/// One body or all of them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Selection {
+    /// All bodies.
+    All,
+    /// The body of this index.
+    Body(usize),
+}
+
+impl Selection {
+    /// Whether it holds a body.
+    pub fn holds(self, body: usize) -> bool {
+        self == Selection::All || self == Selection::Body(body)
+    }
+}
+
 /// All material points of a run; kept beside the model parts in the model.
 pub struct MaterialPoints {
     /// Name of the part of points, `MPM_Material` by default.
@@ -206,9 +222,9 @@ impl MaterialPoints {
         self.len() == 0
     }
 
-    /// (block, point) of all points, of one body or of all, ascending by id.
-    pub fn by_id(&self, body: Option<usize>) -> Vec<(u32, u32)> {
-        let blocks = || self.blocks.iter().enumerate().filter(|(_, block)| body.is_none_or(|body| block.body == body));
+    /// (block, point) of the selected points, ascending by id.
+    pub fn by_id(&self, selection: Selection) -> Vec<(u32, u32)> {
+        let blocks = || self.blocks.iter().enumerate().filter(|(_, block)| selection.holds(block.body));
         let mut order: Vec<(u32, u32)> =
             blocks().flat_map(|(b, block)| (0..block.len() as u32).map(move |p| (b as u32, p))).collect();
         let id = |&(b, p): &(u32, u32)| self.blocks[b as usize].ids[p as usize];
@@ -218,22 +234,18 @@ impl MaterialPoints {
         order
     }
 
-    /// The body that a part path selects: `MPM_Material.Body`, `Initial_MPM_Material.Body`,
-    /// `Background_Grid.Body` or `Body` alone; none inside for all bodies.
-    ///
-    /// # Errors
-    /// There is no such body.
-    #[allow(clippy::option_option)]
-    pub fn select(&self, path: &str) -> Result<Option<usize>, ()> {
+    /// What a part path selects: `MPM_Material.Body`, `Initial_MPM_Material.Body`,
+    /// `Background_Grid.Body` or `Body` alone; a root alone selects all bodies.
+    pub fn select(&self, path: &str) -> Option<Selection> {
         let initial = format!("Initial_{}", self.name);
         let (root, below) = path.split_once('.').map_or((path, None), |(root, below)| (root, Some(below)));
         let is_root = root == self.name || root == initial || root == "Background_Grid";
         let name = match (is_root, below) {
-            (true, None) => return Ok(None),
+            (true, None) => return Some(Selection::All),
             (true, Some(below)) => below,
             (false, _) => path,
         };
-        self.bodies.iter().position(|body| body == name).map(Some).ok_or(())
+        self.bodies.iter().position(|body| body == name).map(Selection::Body)
     }
 }
 

@@ -1,6 +1,6 @@
 //! The variables that material points and their conditions can show, and what each costs.
 
-use super::block::{Block, Columns, MaterialPoints};
+use super::block::{Block, Columns, MaterialPoints, Selection};
 use super::conditions::PointConditions;
 
 /// Variables of points with the columns they need.
@@ -127,10 +127,10 @@ pub fn energies(block: &Block, point: usize) -> Energies {
     }
 }
 
-/// Energies of all points, of one body or of all.
-pub fn total_energies(points: &MaterialPoints, body: Option<usize>) -> Energies {
+/// Energies of the selected points.
+pub fn total_energies(points: &MaterialPoints, selection: Selection) -> Energies {
     let mut sum = Energies::default();
-    for block in points.blocks.iter().filter(|block| body.is_none_or(|body| block.body == body)) {
+    for block in points.blocks.iter().filter(|block| selection.holds(block.body)) {
         for point in 0..block.len() {
             let of_point = energies(block, point);
             sum.potential += of_point.potential;

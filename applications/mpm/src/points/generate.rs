@@ -74,10 +74,7 @@ pub fn generate(plan: &Plan) -> Result<MaterialPoints, InputErrors> {
                     &mut points.blocks[last]
                 }
             };
-            match add_element(plan, block, element as usize, &mut next_id, &mut outside) {
-                Ok(()) => {}
-                Err(diagnostic) => return Err(diagnostic.into()),
-            }
+            add_element(plan, block, element as usize, &mut next_id, &mut outside)?;
         }
     }
     if let Some(diagnostic) = outside.diagnostic(plan) {
@@ -117,12 +114,13 @@ impl Outside {
     }
 }
 
-fn material_of<'a>(plan: &'a Plan, id: u32, element: u32) -> Result<&'a Material, Diagnostic> {
+fn material_of<'a>(plan: &'a Plan, id: u32, element: u32) -> Result<&'a Material, InputErrors> {
     plan.materials.iter().find(|m| m.properties.id == id).ok_or_else(|| {
         let element = plan.bodies.elements.ids[element as usize];
         let names: Vec<String> = plan.bodies.paths();
         Diagnostic::error(Default::default(), format!("body element {element} has no material"))
             .help(format!("give every part a material in the materials file; parts: {}", names.join(", ")))
+            .into()
     })
 }
 
@@ -194,7 +192,7 @@ fn add_element(
     element: usize,
     next_id: &mut u32,
     outside: &mut Outside,
-) -> Result<(), Diagnostic> {
+) -> Result<(), InputErrors> {
     let elements = &plan.bodies.elements;
     let material = material_of(plan, block.material, element as u32)?;
     let shape = elements.shapes[element];
@@ -205,7 +203,8 @@ fn add_element(
             shape.name(),
             plan.kinematics
         );
-        return Err(Diagnostic::error(Default::default(), message).help("check domain_size and the element names"));
+        let diagnostic = Diagnostic::error(Default::default(), message);
+        return Err(diagnostic.help("check domain_size and the element names").into());
     }
     let wanted = material.properties.number("MATERIAL_POINTS_PER_ELEMENT").unwrap_or(0.0);
     let points = if wanted.fract() == 0.0 { rule(shape, wanted as usize).ok() } else { None };
@@ -214,7 +213,7 @@ fn add_element(
         let place = material.parameters.child("Material").and_then(|m| m.child("Variables"));
         let place = place.unwrap_or_else(|| material.parameters.clone());
         let message = format!("MATERIAL_POINTS_PER_ELEMENT is {wanted}, which a {} does not have", shape.name());
-        return Err(place.error(message).help(format!("allowed: {}", counts.join(", "))));
+        return Err(place.error(message).help(format!("allowed: {}", counts.join(", "))).into());
     };
     let mut corners = plan.bodies.corners(elements, element);
     if plan.kinematics.dimension() == 2 {

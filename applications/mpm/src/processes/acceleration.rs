@@ -77,8 +77,8 @@ impl Process for AssignToPoints {
 
     fn execute_before_solution_loop(&mut self, context: &mut Context) -> Result<(), Error> {
         let Some(points) = context.model.extension_mut::<MaterialPoints>() else { return Ok(()) };
-        let Ok(body) = points.select(self.settings.text("model_part_name")) else { return Ok(()) };
-        for block in points.blocks.iter_mut().filter(|block| body.is_none_or(|body| block.body == body)) {
+        let Some(selection) = points.select(self.settings.text("model_part_name")) else { return Ok(()) };
+        for block in points.blocks.iter_mut().filter(|block| selection.holds(block.body)) {
             let column = match self.quantity {
                 Quantity::Velocity => &mut block.velocity,
                 Quantity::Gravity => {

@@ -69,9 +69,9 @@ impl PointSource {
         quantities: &[Quantity],
         visit: &mut dyn FnMut(Entity, &[f64]),
     ) -> Result<(), Error> {
-        let Ok(body) = points.select(&self.path) else { return Ok(()) };
+        let Some(selection) = points.select(&self.path) else { return Ok(()) };
         let mut values = Vec::new();
-        for (block, point) in points.by_id(body) {
+        for (block, point) in points.by_id(selection) {
             let block = &points.blocks[block as usize];
             values.clear();
             for quantity in quantities {

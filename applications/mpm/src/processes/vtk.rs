@@ -4,7 +4,7 @@ use super::acceleration::check_part;
 use crate::implicit::GRID;
 use crate::points::conditions::PointConditions;
 use crate::points::fields::{CONDITION_VARIABLES, append, append_condition};
-use crate::points::MaterialPoints;
+use crate::points::{MaterialPoints, Selection};
 use bia_kernel::diagnostic::InputErrors;
 use bia_kernel::error::Error;
 use bia_kernel::io::control::OutputControl;
@@ -16,13 +16,16 @@ use bia_kernel::processes::{Clock, Context, Location, Process, Requirements, Wan
 use bia_kernel::registry::{ProcessEntry, Registry};
 use std::path::PathBuf;
 
-const KEYS: &[Key] = &Key::join::<14, 3, 17>(FILES, [
-    Key::required("model_part_name", Kind::Text, "part of points, such as MPM_Material or MPM_Material.Body"),
-    Key::new("output_path", Kind::Text, "\"MPM_VTK_Output\"", "folder of the files, emptied at the start")
-        .or(&["folder_name"]),
-    Key::new("gauss_point_variables_in_elements", Kind::Texts, "[]", "variables of points or their conditions")
-        .or(&["gauss_point_results"]),
-]);
+const KEYS: &[Key] = &Key::join::<14, 3, 17>(
+    FILES,
+    [
+        Key::required("model_part_name", Kind::Text, "part of points, such as MPM_Material or MPM_Material.Body"),
+        Key::new("output_path", Kind::Text, "\"MPM_VTK_Output\"", "folder of the files, emptied at the start")
+            .or(&["folder_name"]),
+        Key::new("gauss_point_variables_in_elements", Kind::Texts, "[]", "variables of points or their conditions")
+            .or(&["gauss_point_results"]),
+    ],
+);
 
 /// Registers the process of this file.
 pub fn register(registry: &mut Registry) {
@@ -73,19 +76,19 @@ impl PointOutput {
     fn print(&mut self, model: &Model, clock: &Clock) -> Result<(), Error> {
         let Some(points) = model.extension::<MaterialPoints>() else { return Ok(()) };
         let path = self.path(points);
-        let Ok(body) = points.select(&path) else { return Ok(()) };
+        let Some(selection) = points.select(&path) else { return Ok(()) };
         let name = path.rsplit('.').next().unwrap_or(&path);
         if self.kind == CellKind::Conditions {
             let data = self.conditions(&points.conditions, 0, points.conditions.len());
             return self.files.write(&self.files.name(name), clock, &data, true);
         }
-        let data = self.points(points, body);
+        let data = self.points(points, selection);
         self.files.write(&self.files.name(name), clock, &data, true)?;
-        if !self.settings.flag("output_sub_model_parts") || body.is_some() {
+        if !self.settings.flag("output_sub_model_parts") || selection != Selection::All {
             return Ok(());
         }
         for (index, body) in points.bodies.iter().enumerate() {
-            let data = self.points(points, Some(index));
+            let data = self.points(points, Selection::Body(index));
             self.files.write(&self.files.name(&format!("{name}_{body}")), clock, &data, true)?;
         }
         for (part, first, end) in &points.conditions.parts {
@@ -95,9 +98,9 @@ impl PointOutput {
         Ok(())
     }
 
-    /// The points of one body or of all, ascending by id.
-    fn points(&self, points: &MaterialPoints, body: Option<usize>) -> Dataset {
-        let order = points.by_id(body);
+    /// The selected points, ascending by id.
+    fn points(&self, points: &MaterialPoints, selection: Selection) -> Dataset {
+        let order = points.by_id(selection);
         let block = |b: u32| &points.blocks[b as usize];
         let mut data = Dataset::vertices(order.iter().map(|&(b, p)| block(b).coordinates(p as usize)).collect());
         let mut fields = Vec::new();

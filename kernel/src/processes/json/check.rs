@@ -13,14 +13,17 @@ use serde_json::Value;
 use std::path::PathBuf;
 
 /// Keys of a process that checks.
-pub const READING: &[Key] = &Key::join::<8, 6, 14>(SHARED, [
-    Key::new("check_variables", Kind::Texts, "[]", "variables to be compared"),
-    Key::new("gauss_points_check_variables", Kind::Texts, "[]", "accepted: without effect in MPM"),
-    Key::required("input_file_name", Kind::Text, "the file, relative to the project"),
-    Key::new("tolerance", Kind::Number(Range::NOT_NEGATIVE), "1e-3", "allowed difference, in the variable's unit"),
-    Key::new("relative_tolerance", Kind::Number(Range::NOT_NEGATIVE), "1e-6", "allowed relative difference"),
-    Key::new("check_only_local_entities", Kind::Bool, "false", "accepted: there is one process"),
-]);
+pub const READING: &[Key] = &Key::join::<8, 6, 14>(
+    SHARED,
+    [
+        Key::new("check_variables", Kind::Texts, "[]", "variables to be compared"),
+        Key::new("gauss_points_check_variables", Kind::Texts, "[]", "accepted: without effect in MPM"),
+        Key::required("input_file_name", Kind::Text, "the file, relative to the project"),
+        Key::new("tolerance", Kind::Number(Range::NOT_NEGATIVE), "1e-3", "allowed difference, in the variable's unit"),
+        Key::new("relative_tolerance", Kind::Number(Range::NOT_NEGATIVE), "1e-6", "allowed relative difference"),
+        Key::new("check_only_local_entities", Kind::Bool, "false", "accepted: there is one process"),
+    ],
+);
 
 /// The process. It fails at the end of the first step whose values differ.
 pub struct JsonCheck<S> {

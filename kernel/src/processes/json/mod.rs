@@ -32,7 +32,12 @@ const SHARED: [Key; 8] = [
     ),
     Key::new("historical_value", Kind::Bool, "true", "accepted: a node has one value of a variable"),
     Key::new("use_node_coordinates", Kind::Bool, "false", "name nodes by their coordinates instead of their ids"),
-    Key::new("entity_type", Kind::Choice(&["Element", "Condition"]), "\"Element\"", "material points or their conditions"),
+    Key::new(
+        "entity_type",
+        Kind::Choice(&["Element", "Condition"]),
+        "\"Element\"",
+        "material points or their conditions",
+    ),
 ];
 
 /// An entity with values.
@@ -65,12 +70,8 @@ pub trait EntitySource: Send {
     ///
     /// # Errors
     /// A part that does not exist after all; a value that the entities do not have.
-    fn visit(
-        &self,
-        model: &Model,
-        quantities: &[Quantity],
-        visit: &mut dyn FnMut(Entity, &[f64]),
-    ) -> Result<(), Error>;
+    fn visit(&self, model: &Model, quantities: &[Quantity], visit: &mut dyn FnMut(Entity, &[f64]))
+    -> Result<(), Error>;
 }
 
 /// Registers the processes of the kernel.

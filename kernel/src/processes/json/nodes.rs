@@ -84,7 +84,8 @@ impl EntitySource for NodeSource {
             for quantity in quantities {
                 quantity.append(&part.node_fields, node as usize, &mut values);
             }
-            let key = if self.by_coordinates { format!("NODE_X_{x:.6}_Y_{y:.6}_Z_{z:.6}") } else { format!("NODE_{id}") };
+            let key =
+                if self.by_coordinates { format!("NODE_X_{x:.6}_Y_{y:.6}_Z_{z:.6}") } else { format!("NODE_{id}") };
             visit(Entity { key: &key, kind: "node", id }, &values);
         }
         Ok(())

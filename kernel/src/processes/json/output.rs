@@ -12,12 +12,20 @@ use crate::registry::Building;
 use std::path::PathBuf;
 
 /// Keys of a process that writes.
-pub const WRITING: &[Key] = &Key::join::<8, 4, 12>(SHARED, [
-    Key::new("output_variables", Kind::Texts, "[]", "variables of nodes"),
-    Key::new("gauss_points_output_variables", Kind::Texts, "[]", "variables of material points or their conditions"),
-    Key::required("output_file_name", Kind::Text, "the file"),
-    Key::new("resultant_solution", Kind::Bool, "false", "write the sums over all entities as RESULTANT"),
-]);
+pub const WRITING: &[Key] = &Key::join::<8, 4, 12>(
+    SHARED,
+    [
+        Key::new("output_variables", Kind::Texts, "[]", "variables of nodes"),
+        Key::new(
+            "gauss_points_output_variables",
+            Kind::Texts,
+            "[]",
+            "variables of material points or their conditions",
+        ),
+        Key::required("output_file_name", Kind::Text, "the file"),
+        Key::new("resultant_solution", Kind::Bool, "false", "write the sums over all entities as RESULTANT"),
+    ],
+);
 
 /// The process.
 pub struct JsonOutput<S> {

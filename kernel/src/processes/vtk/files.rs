@@ -24,8 +24,13 @@ pub const FILES: [Key; 14] = [
     Key::new("output_precision", Kind::Integer { min: 0 }, "7", "digits after the point in text files and labels"),
     Key::new("single_precision", Kind::Bool, "false", "write .vtu files in single precision: half the size"),
     Key::new("output_control_type", Kind::Choice(&["step", "time"]), "\"step\"", "what output_interval counts"),
-    Key::new("output_interval", Kind::Number(Range::NOT_NEGATIVE), "1.0", "between outputs [steps or s]; 0: every step")
-        .or(&["output_frequency"]),
+    Key::new(
+        "output_interval",
+        Kind::Number(Range::NOT_NEGATIVE),
+        "1.0",
+        "between outputs [steps or s]; 0: every step",
+    )
+    .or(&["output_frequency"]),
     Key::new("output_sub_model_parts", Kind::Bool, "false", "write the parts directly below as files of their own too"),
     Key::new("save_output_files_in_folder", Kind::Bool, "true", "false: the files go where the results go"),
     Key::new("custom_name_prefix", Kind::Text, "\"\"", "put before the names of files"),
@@ -65,6 +70,7 @@ pub struct VtkFiles {
     postfix: String,
     by_time: bool,
     precision: usize,
+    kratos_exact: bool,
     series: BTreeMap<String, PvdSeries>,
     written: Vec<PathBuf>,
 }
@@ -96,6 +102,7 @@ impl VtkFiles {
             postfix: settings.text("custom_name_postfix").into(),
             by_time: settings.text("output_control_type") == "time",
             precision,
+            kratos_exact: options.kratos_exact,
             series: BTreeMap::new(),
             written: Vec::new(),
         })
@@ -191,9 +198,20 @@ impl VtkFiles {
         self.write_as(name, &format!("{name}_0_{}.{extension}", clock.step), clock, data, false)
     }
 
-    fn write_as(&mut self, name: &str, file: &str, clock: &Clock, data: &Dataset, of_series: bool) -> Result<(), Error> {
+    fn write_as(
+        &mut self,
+        name: &str,
+        file: &str,
+        clock: &Clock,
+        data: &Dataset,
+        of_series: bool,
+    ) -> Result<(), Error> {
         let path = self.folder.join(file);
         let result = match self.format {
+            // Kratos rounds to single precision before it prints digits.
+            Format::Legacy(encoding) if self.kratos_exact => {
+                write_legacy(&path, &data.clone().in_single_precision(), encoding)
+            }
             Format::Legacy(encoding) => write_legacy(&path, data, encoding),
             Format::Vtu { single_precision } => {
                 write_vtu(&path, data, Some(clock.time), &VtuOptions { single_precision, ..VtuOptions::default() })

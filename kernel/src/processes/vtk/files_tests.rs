@@ -51,7 +51,10 @@ fn a_folder_with_anything_else_is_refused_and_kept() {
         assert!(refused(path).contains("the folder of the project"), "{path}");
     }
     assert!(refused(r#"{"output_path": "/"}"#).contains("other things than VTK"));
-    assert!(refused(r#"{"folder_nam": 1}"#.replace("folder_nam\": 1", "output_path\": \"VTK/thesis.tex\"").as_str()).contains("listed"));
+    assert!(
+        refused(r#"{"folder_nam": 1}"#.replace("folder_nam\": 1", "output_path\": \"VTK/thesis.tex\"").as_str())
+            .contains("listed")
+    );
     let (files, settings) = files(folder.path(), r#"{"save_output_files_in_folder": false}"#);
     assert!(files.check_folder(&settings).is_ok(), "without a folder of its own it removes nothing");
     files.prepare().unwrap();

@@ -16,18 +16,27 @@ use crate::parameters::{Key, Kind, Settings};
 use crate::registry::{ProcessEntry, Registry};
 use std::path::PathBuf;
 
-const KEYS: &[Key] = &Key::join::<14, 10, 24>(FILES, [
-    Key::required("model_part_name", Kind::Text, "part to be written, such as Background_Grid"),
-    Key::new("output_path", Kind::Text, "\"VTK_Output\"", "folder of the files, emptied at the start").or(&["folder_name"]),
-    Key::new("nodal_solution_step_data_variables", Kind::Texts, "[]", "variables of nodes"),
-    Key::new("nodal_data_value_variables", Kind::Texts, "[]", "variables of nodes too"),
-    Key::new("nodal_flags", Kind::List, "[]", "must be empty: nodes have no flags"),
-    Key::new("element_data_value_variables", Kind::List, "[]", "must be empty: grid elements carry no values"),
-    Key::new("condition_data_value_variables", Kind::Texts, "[]", "variables of conditions, with entity_type condition"),
-    Key::new("gauss_point_variables_extrapolated_to_nodes", Kind::List, "[]", "must be empty"),
-    Key::new("gauss_point_variables_in_elements", Kind::List, "[]", "must be empty: grid elements carry no values"),
-    Key::new("write_deformed_configuration", Kind::Bool, "false", "accepted: the nodes do not move"),
-]);
+const KEYS: &[Key] = &Key::join::<14, 10, 24>(
+    FILES,
+    [
+        Key::required("model_part_name", Kind::Text, "part to be written, such as Background_Grid"),
+        Key::new("output_path", Kind::Text, "\"VTK_Output\"", "folder of the files, emptied at the start")
+            .or(&["folder_name"]),
+        Key::new("nodal_solution_step_data_variables", Kind::Texts, "[]", "variables of nodes"),
+        Key::new("nodal_data_value_variables", Kind::Texts, "[]", "variables of nodes too"),
+        Key::new("nodal_flags", Kind::List, "[]", "must be empty: nodes have no flags"),
+        Key::new("element_data_value_variables", Kind::List, "[]", "must be empty: grid elements carry no values"),
+        Key::new(
+            "condition_data_value_variables",
+            Kind::Texts,
+            "[]",
+            "variables of conditions, with entity_type condition",
+        ),
+        Key::new("gauss_point_variables_extrapolated_to_nodes", Kind::List, "[]", "must be empty"),
+        Key::new("gauss_point_variables_in_elements", Kind::List, "[]", "must be empty: grid elements carry no values"),
+        Key::new("write_deformed_configuration", Kind::Bool, "false", "accepted: the nodes do not move"),
+    ],
+);
 
 /// Lists that name what does not exist here.
 const EMPTY: &[&str] = &[
@@ -50,7 +59,8 @@ pub fn register(registry: &mut Registry) {
             let mut errors = InputErrors::default();
             errors.absorb(refuse_lists(&settings, EMPTY));
             let files = errors.absorb(VtkFiles::read(&settings, building.options));
-            let mut read = |key| errors.absorb(Quantity::read_list(&settings, key, building.registry)).unwrap_or_default();
+            let mut read =
+                |key| errors.absorb(Quantity::read_list(&settings, key, building.registry)).unwrap_or_default();
             let mut nodal = read("nodal_solution_step_data_variables");
             let conditional = read("condition_data_value_variables");
             // Kratos keeps two values of a variable on a node; here there is one, shown once.
