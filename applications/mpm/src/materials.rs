@@ -25,7 +25,7 @@ const TABLE: &[Key] = &[
 ];
 
 /// Variables that elements take from a material, beside those of the laws.
-const ELEMENT_VARIABLES: &[&str] = &["DENSITY", "THICKNESS", "MATERIAL_POINTS_PER_ELEMENT"];
+const ELEMENT_VARIABLES: &[&str] = &["DENSITY", "THICKNESS", "CROSS_AREA", "MATERIAL_POINTS_PER_ELEMENT"];
 /// Variables that Kratos's materials may carry though the present law does not read them.
 const OTHER_VARIABLES: &[&str] = &[
     "YOUNG_MODULUS",

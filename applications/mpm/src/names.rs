@@ -40,6 +40,8 @@ const ELEMENTS: &[(&str, Shape)] = &[
 ];
 
 const CONDITIONS: &[(&str, Shape)] = &[
+    ("PointCondition1D1N", Shape::Point1),
+    ("MPMGridPointLoadCondition1D1N", Shape::Point1),
     ("PointCondition2D1N", Shape::Point1),
     ("PointCondition3D1N", Shape::Point1),
     ("LineCondition2D2N", Shape::Line2),

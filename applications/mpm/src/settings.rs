@@ -32,7 +32,7 @@ const STEPPING: &[Key] = &[
 pub const KEYS: &[Key] = &[
     Key::required("solver_type", Kind::Text, "static, quasi_static or dynamic"),
     Key::new("model_part_name", Kind::Text, "\"MPM_Material\"", "name of the part of material points"),
-    Key::required("domain_size", Kind::Integer { min: 1 }, "dimension of space: 2 or 3"),
+    Key::required("domain_size", Kind::Integer { min: 1 }, "dimension of space: 1, 2 or 3"),
     Key::new("echo_level", Kind::Integer { min: 0 }, "0", "ignored: --quiet and the log level rule"),
     Key::new("analysis_type", Kind::Choice(&["non_linear", "linear"]), "\"non_linear\"", "Newton, or one solve a step"),
     Key::new("time_integration_method", Kind::Choice(&["implicit"]), "\"implicit\"", "dynamic: implicit"),
@@ -160,11 +160,11 @@ impl SolverSettings {
         let s = parameters.read(KEYS)?;
         let mut errors = InputErrors::default();
         let dimension = s.integer("domain_size") as usize;
-        if !(2..=3).contains(&dimension) {
-            errors.push(s.error("domain_size", format!("is {dimension}, must be 2 or 3")));
+        if !(1..=3).contains(&dimension) {
+            errors.push(s.error("domain_size", format!("is {dimension}, must be 1, 2 or 3")));
         }
         let axisymmetric = s.flag("axis_symmetric_flag");
-        if axisymmetric && dimension == 3 {
+        if axisymmetric && dimension != 2 {
             errors.push(s.error("axis_symmetric_flag", "needs domain_size 2"));
         }
         if s.flag("pressure_dofs") {
@@ -220,6 +220,7 @@ impl SolverSettings {
     pub fn kinematics(&self, plane_stress: bool) -> Kinematics {
         match (self.dimension, self.axisymmetric, plane_stress) {
             (3, _, _) => Kinematics::ThreeDimensional,
+            (1, _, _) => Kinematics::UniaxialStrain,
             (_, true, _) => Kinematics::Axisymmetric,
             (_, _, true) => Kinematics::PlaneStress,
             _ => Kinematics::PlaneStrain,

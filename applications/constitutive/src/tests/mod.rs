@@ -160,7 +160,7 @@ fn allowed(h: &Matrix3<f64>, kinematics: Kinematics) -> Matrix3<f64> {
     Matrix3::from_fn(|a, b| match kinematics {
         Kinematics::ThreeDimensional => h[(a, b)],
         Kinematics::Axisymmetric if (a, b) == (2, 2) => h[(a, b)],
-        _ if a < 2 && b < 2 => h[(a, b)],
+        _ if a < kinematics.dimension() && b < kinematics.dimension() => h[(a, b)],
         _ => 0.0,
     })
 }

@@ -5,7 +5,7 @@ use super::element::{PointKinematics, law_failure};
 use crate::points::{Block, MaterialPoints, compress};
 use bia_constitutive::{Deformation, Kinematics, Response, Want};
 use bia_kernel::error::Failure;
-use bia_kernel::geometry::{CellShape, Hexahedron8, Quadrilateral4, Shape, Tetrahedron4, Triangle3};
+use bia_kernel::geometry::{CellShape, Hexahedron8, Line2, Quadrilateral4, Shape, Tetrahedron4, Triangle3};
 use bia_kernel::model::{Cells, ModelPart};
 use bia_kernel::solving::ActiveDofs;
 use bia_kernel::solving::ordered::in_order;
@@ -21,6 +21,12 @@ const GRAIN: usize = 64;
 macro_rules! with_shape {
     ($shape:expr, |$S:ident, $D:ident, $N:ident| $body:expr, else $other:expr) => {
         match $shape {
+            Shape::Line2 => {
+                type $S = Line2;
+                const $D: usize = 1;
+                const $N: usize = 2;
+                $body
+            }
             Shape::Triangle3 => {
                 type $S = Triangle3;
                 const $D: usize = 2;

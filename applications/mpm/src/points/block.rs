@@ -50,7 +50,8 @@ pub struct Block {
     pub acceleration: Column,
     /// Mass in kg.
     pub mass: Column,
-    /// Deformation gradient: the plane part row by row, then F33 if axisymmetric; or all nine.
+    /// Deformation gradient: F11 in one dimension, the plane part row by row, then F33 if
+    /// axisymmetric; or all nine.
     pub gradient: Column,
     /// History of the law.
     pub state: Column,
@@ -146,6 +147,7 @@ pub fn gradient_width(kinematics: Kinematics) -> usize {
         Kinematics::ThreeDimensional => 9,
         Kinematics::PlaneStrain | Kinematics::PlaneStress => 4,
         Kinematics::Axisymmetric => 5,
+        Kinematics::UniaxialStrain => 1,
     }
 }
 
@@ -153,6 +155,7 @@ pub fn gradient_width(kinematics: Kinematics) -> usize {
 #[inline]
 pub fn expand(row: &[f64]) -> Matrix3<f64> {
     match *row {
+        [a] => Matrix3::new(a, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0),
         [a, b, c, d] => Matrix3::new(a, b, 0.0, c, d, 0.0, 0.0, 0.0, 1.0),
         [a, b, c, d, e] => Matrix3::new(a, b, 0.0, c, d, 0.0, 0.0, 0.0, e),
         _ => Matrix3::from_row_slice(row),
@@ -164,6 +167,7 @@ pub fn expand(row: &[f64]) -> Matrix3<f64> {
 pub fn compress(gradient: &Matrix3<f64>, row: &mut [f64]) {
     let f = |i, j| gradient[(i, j)];
     match row {
+        [a] => *a = f(0, 0),
         [a, b, c, d] => (*a, *b, *c, *d) = (f(0, 0), f(0, 1), f(1, 0), f(1, 1)),
         [a, b, c, d, e] => (*a, *b, *c, *d, *e) = (f(0, 0), f(0, 1), f(1, 0), f(1, 1), f(2, 2)),
         _ => (0..9).for_each(|k| row[k] = f(k / 3, k % 3)),
@@ -256,6 +260,7 @@ mod tests {
     #[test]
     fn gradients_survive_storage() {
         for (width, f) in [
+            (1, Matrix3::new(1.2, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)),
             (4, Matrix3::new(1.1, 0.2, 0.0, -0.3, 0.9, 0.0, 0.0, 0.0, 1.0)),
             (5, Matrix3::new(1.1, 0.2, 0.0, -0.3, 0.9, 0.0, 0.0, 0.0, 1.4)),
             (9, Matrix3::new(1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 10.0)),

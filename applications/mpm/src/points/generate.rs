@@ -130,8 +130,9 @@ fn new_block(plan: &Plan, body: usize, id: u32, element: u32) -> Result<Block, I
     let variables = material.parameters.child("Material").and_then(|m| m.child("Variables"));
     let place = variables.as_ref().map_or_else(|| material.parameters.place(), |v| v.place());
     let mut errors = InputErrors::default();
-    for name in ["DENSITY", "MATERIAL_POINTS_PER_ELEMENT", "THICKNESS"] {
-        let needed = name != "THICKNESS" || plan.kinematics != Kinematics::ThreeDimensional;
+    let across = across(plan.kinematics);
+    for name in ["DENSITY", "MATERIAL_POINTS_PER_ELEMENT", "THICKNESS", "CROSS_AREA"] {
+        let needed = !["THICKNESS", "CROSS_AREA"].contains(&name) || across == Some(name);
         match properties.number(name) {
             Some(number) if number > 0.0 => {}
             Some(number) => {
@@ -181,6 +182,15 @@ fn new_block(plan: &Plan, body: usize, id: u32, element: u32) -> Result<Block, I
     }
 }
 
+/// The material variable that gives the extent of a body across its mesh.
+fn across(kinematics: Kinematics) -> Option<&'static str> {
+    match kinematics {
+        Kinematics::ThreeDimensional => None,
+        Kinematics::UniaxialStrain => Some("CROSS_AREA"),
+        _ => Some("THICKNESS"),
+    }
+}
+
 fn density(properties: &Properties) -> f64 {
     properties.number("DENSITY").unwrap_or(f64::NAN)
 }
@@ -225,8 +235,8 @@ fn add_element(
         shape.functions(point.xi, &mut functions);
         let x: [f64; 3] = std::array::from_fn(|i| functions.iter().zip(&corners).map(|(n, c)| n * c[i]).sum());
         let mut volume = point.weight * shape.jacobian_determinant(&corners, point.xi);
-        if plan.kinematics != Kinematics::ThreeDimensional {
-            volume *= material.properties.number("THICKNESS").unwrap_or(1.0);
+        if let Some(across) = across(plan.kinematics) {
+            volume *= material.properties.number(across).unwrap_or(1.0);
         }
         if plan.kinematics == Kinematics::Axisymmetric {
             volume *= TAU * x[0];
