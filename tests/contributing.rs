@@ -189,6 +189,9 @@ fn the_guide_shows_this_code() {
     for name in ["law", "process", "application"] {
         let (_, rest) = source.split_once(&format!("// [{name}]\n")).unwrap();
         let (code, _) = rest.split_once(&format!("// [/{name}]\n")).unwrap();
-        assert!(guide.contains(&format!("```rust\n{code}```")), "CONTRIBUTING.md and tests/contributing.rs differ: {name}");
+        assert!(
+            guide.contains(&format!("```rust\n{code}```")),
+            "CONTRIBUTING.md and tests/contributing.rs differ: {name}"
+        );
     }
 }

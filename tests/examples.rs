@@ -125,7 +125,7 @@ fn the_block_falls_freely_until_its_lowest_points_reach_the_lowest_cells() {
 
 #[test]
 fn the_disc_has_the_mass_of_a_polygon_and_falls_freely() {
-    let record = run("falling_disc", 450);
+    let record = run("falling_disc", 45);
     let states = states(&record);
     let polygon = 32.0 * 0.2 * 0.2 * (std::f64::consts::TAU / 64.0).sin();
     assert_close(number(&states[0], "/sums/mass"), 1000.0 * polygon, 1e-12);
