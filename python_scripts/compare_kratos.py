@@ -58,7 +58,7 @@ def run_kratos(project, state_file):
             value = element.CalculateOnIntegrationPoints(getattr(mpm, field), part.ProcessInfo)[0]
             points[field].append([value] if isinstance(value, float) else list(value))
     state = {
-        "version": KratosMultiphysics.KratosGlobals.Kernel.Version().replace('"', ""),
+        "version": KratosMultiphysics.KratosGlobals.Kernel.Version().replace('"', "").split("-")[0],
         "steps": part.ProcessInfo[KratosMultiphysics.STEP],
         "time": part.ProcessInfo[KratosMultiphysics.TIME],
         "cpu_loop_s": cpu_loop,
