@@ -39,6 +39,12 @@ pub const KEYS: &[Key] = &[
     Key::new("scheme_type", Kind::Choice(&["newmark", "bossak", "quasi_static"]), "\"bossak\"", "dynamic: time scheme"),
     Key::new("damp_factor_m", Kind::Number(Range::NOT_POSITIVE), "-0.3", "Bossak's alpha"),
     Key::new("newmark_beta", Kind::Number(Range::POSITIVE), "0.25", "Newmark's beta for alpha = 0"),
+    Key::new(
+        "point_velocity_rule",
+        Kind::Choice(&["trapezoidal", "scheme"]),
+        "\"trapezoidal\"",
+        "weight of the new acceleration in a point's velocity: 1/2 as in Kratos, or the scheme's gamma",
+    ),
     Key::required("time_stepping", Kind::Object(STEPPING), "the time step [s]"),
     Key::new(
         "convergence_criterion",
@@ -127,6 +133,8 @@ pub struct SolverSettings {
     pub regime: Regime,
     /// Time scheme of dynamics.
     pub newmark: Newmark,
+    /// Weight of the new acceleration in the points' velocity.
+    pub point_gamma: f64,
     /// Newton's method.
     pub newton: Newton,
     /// The user's linear solver settings.
@@ -192,6 +200,7 @@ impl SolverSettings {
             dimension,
             regime,
             newmark: newmark(&s),
+            point_gamma: if s.text("point_velocity_rule") == "scheme" { newmark(&s).gamma() } else { 0.5 },
             newton: newton(&s),
             linear: s.get("linear_solver_settings").cloned(),
             stepping,

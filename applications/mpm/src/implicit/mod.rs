@@ -395,10 +395,13 @@ impl Solver for Implicit {
                 increments_of_volume: of_volume,
                 accelerations: &accelerations,
                 time_step,
+                gamma: this.settings.point_gamma,
+                least_function: this.options.kratos_exact.then_some(f64::EPSILON),
             };
             update_points(points, &nodal)?;
+            let least = nodal.least_function;
             let velocities = this.inertia.as_ref().map_or(Vec::new(), |i| i.final_velocity(&increments));
-            setup::move_conditions(&mut points.conditions, grid, &this.dofs, &increments, &velocities);
+            setup::move_conditions(&mut points.conditions, grid, &this.dofs, [&increments, &velocities], least);
             this.write_nodal(grid, &DISPLACEMENT, &increments);
             if this.output.velocity && this.dynamic() {
                 this.write_nodal(grid, &VELOCITY, &velocities);

@@ -18,6 +18,8 @@ pub struct Columns {
     pub strain: bool,
     /// Current volume.
     pub volume: bool,
+    /// Body force per mass that differs from point to point.
+    pub body_acceleration: bool,
 }
 
 /// Points of one body with one material.
@@ -32,8 +34,10 @@ pub struct Block {
     pub law: Box<dyn Law>,
     /// Initial density in kg/m³.
     pub density: f64,
-    /// Body force per mass in m/s².
-    pub body_acceleration: [f64; 3],
+    /// Body force per mass in m/s² that all points share.
+    pub gravity: [f64; 3],
+    /// Body force per mass in m/s² of each point beside gravity, if used.
+    pub body_acceleration: Column,
     /// Ids, ascending.
     pub ids: Vec<u32>,
     /// Background cell of each point.
@@ -91,8 +95,33 @@ impl Block {
         self.mass.row(point)[0] / self.density * self.deformation_gradient(point).determinant()
     }
 
+    /// Body force per mass of a point in m/s²: gravity and what functions add to it.
+    #[inline]
+    pub fn body_acceleration_of<const D: usize>(&self, point: usize) -> [f64; D] {
+        let mut sum = std::array::from_fn(|a| self.gravity[a]);
+        if self.body_acceleration.is_used() {
+            let own = self.body_acceleration.get::<D>(point);
+            (0..D).for_each(|a| sum[a] += own[a]);
+        }
+        sum
+    }
+
+    /// Lets a body at rest start with the acceleration of its body forces: let go without stress, it
+    /// accelerates so from the first instant.
+    pub fn start_with_body_acceleration(&mut self) {
+        if !self.acceleration.is_used() {
+            return;
+        }
+        for point in 0..self.len() {
+            let own = self.body_acceleration.row(point);
+            for (a, value) in self.acceleration.row_mut(point).iter_mut().enumerate() {
+                *value = self.gravity[a] + own.get(a).copied().unwrap_or(0.0);
+            }
+        }
+    }
+
     /// All columns with their names.
-    pub fn columns(&self) -> [(&'static str, &Column); 11] {
+    pub fn columns(&self) -> [(&'static str, &Column); 12] {
         [
             ("local coordinates", &self.local),
             ("position", &self.position),
@@ -105,10 +134,11 @@ impl Block {
             ("Cauchy stress", &self.stress),
             ("strain", &self.strain),
             ("volume", &self.volume),
+            ("body acceleration", &self.body_acceleration),
         ]
     }
 
-    fn columns_mut(&mut self) -> [&mut Column; 11] {
+    fn columns_mut(&mut self) -> [&mut Column; 12] {
         [
             &mut self.local,
             &mut self.position,
@@ -121,6 +151,7 @@ impl Block {
             &mut self.stress,
             &mut self.strain,
             &mut self.volume,
+            &mut self.body_acceleration,
         ]
     }
 

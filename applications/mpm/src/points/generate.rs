@@ -162,7 +162,8 @@ fn new_block(plan: &Plan, body: usize, id: u32, element: u32) -> Result<Block, I
             material: id,
             law_name: entry.map_or_else(String::new, |entry| entry.name.to_string()),
             density: density(properties),
-            body_acceleration: [0.0; 3],
+            gravity: [0.0; 3],
+            body_acceleration: Column::default(),
             ids: Vec::new(),
             cell: Vec::new(),
             local: Column::new(kinematics.dimension(), 0),
@@ -268,6 +269,7 @@ fn finish(block: &mut Block, plan: &Plan) {
     block.stress = column(voigt, columns.stress);
     block.strain = column(voigt, columns.strain);
     block.volume = column(1, columns.volume);
+    block.body_acceleration = column(dimension, columns.body_acceleration);
     if columns.volume {
         for point in 0..count {
             block.volume.set(point, [block.mass.row(point)[0] / block.density]);

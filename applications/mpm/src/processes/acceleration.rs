@@ -79,19 +79,19 @@ impl Process for AssignToPoints {
         let Some(points) = context.model.extension_mut::<MaterialPoints>() else { return Ok(()) };
         let Some(selection) = points.select(self.settings.text("model_part_name")) else { return Ok(()) };
         for block in points.blocks.iter_mut().filter(|block| selection.holds(block.body)) {
-            let column = match self.quantity {
-                Quantity::Velocity => &mut block.velocity,
-                Quantity::Gravity => {
-                    block.body_acceleration = self.vector;
-                    &mut block.acceleration
+            match self.quantity {
+                Quantity::Velocity if block.velocity.is_used() => {
+                    for point in 0..block.ids.len() {
+                        block.velocity.row_mut(point).iter_mut().zip(self.vector).for_each(|(value, v)| *value = v);
+                    }
                 }
-            };
-            // A body at rest that is let go accelerates with gravity from the first instant. In
-            // statics there is no acceleration; Kratos sets it all the same.
-            let statics = self.quantity == Quantity::Gravity && context.clock.step == 0 && !points.dynamic;
-            if column.is_used() && (!statics || self.kratos_exact) {
-                for point in 0..block.ids.len() {
-                    column.row_mut(point).iter_mut().zip(self.vector).for_each(|(value, g)| *value = g);
+                Quantity::Velocity => {}
+                Quantity::Gravity => {
+                    block.gravity = self.vector;
+                    // In statics there is no acceleration; Kratos sets it all the same.
+                    if points.dynamic || self.kratos_exact {
+                        block.start_with_body_acceleration();
+                    }
                 }
             }
         }

@@ -1,6 +1,7 @@
 //! Processes of the material point method.
 
 mod acceleration;
+mod body_acceleration;
 mod energy;
 mod json;
 mod neumann;
@@ -11,6 +12,7 @@ use bia_kernel::registry::Registry;
 /// Registers them.
 pub fn register(registry: &mut Registry) {
     acceleration::register(registry);
+    body_acceleration::register(registry);
     neumann::register(registry);
     energy::register(registry);
     json::register(registry);
