@@ -2,6 +2,7 @@
 
 mod active;
 mod element;
+mod forgiving;
 mod inventory;
 mod loads;
 mod problem;
@@ -122,14 +123,10 @@ impl Implicit {
     /// Finds the points' cells and numbers the dofs; keeps the system while the cells stay the same.
     fn update_active(&mut self, points: &mut MaterialPoints, grid: &ModelPart) -> Result<(), Error> {
         let Some(locator) = &self.locator else { return Ok(()) };
-        let lost = search(points, locator, self.settings.erase_lost);
+        let lost = search(points, locator, self.settings.erase_lost)?;
         if lost > 0 && !self.told.loss {
             tracing::warn!("{lost} material points left the grid and were erased; more are counted in the summary");
             self.told.loss = true;
-        }
-        if points.is_empty() {
-            let advice = "a larger grid, or walls that hold the bodies";
-            return Err(Failure::new("all material points have left the grid", advice).into());
         }
         let conditions = &mut points.conditions;
         for i in 0..conditions.len() {
@@ -333,7 +330,7 @@ impl Solver for Implicit {
         if step > 0.0 && clock.time + step > clock.time {
             return Ok(step);
         }
-        let what = format!("the time step {step} does not advance the time {}", clock.time);
+        let what = format!("the time step {step:?} does not advance the time {:?}", clock.time);
         Err(Failure::new(what, "a positive time step, also beyond the ends of the table").into())
     }
 

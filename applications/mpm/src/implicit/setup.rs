@@ -1,5 +1,6 @@
 //! Set-up of the implicit solver: meshes, materials, points, columns; and the motion of conditions.
 
+use super::forgiving::Forgiving;
 use super::{GRID, Implicit};
 use crate::points::conditions::{self, PointConditions, Requests};
 use crate::points::{Columns, Plan, fields, generate};
@@ -8,12 +9,13 @@ use crate::{materials, points::MaterialPoints};
 use bia_constitutive::Catalogue;
 use bia_kernel::diagnostic::{Diagnostic, InputErrors, Place};
 use bia_kernel::geometry::{CellLocator, check_cells};
-use bia_kernel::io::mdpa;
+use bia_kernel::io::mdpa::{self, Category};
 use bia_kernel::linalg::solver;
 use bia_kernel::model::{Model, ModelPart};
 use bia_kernel::processes::{Location, Requirements};
 use bia_kernel::registry::Registry;
 use bia_kernel::solving::ActiveDofs;
+use std::path::Path;
 
 /// Nodal variables that the solver can show.
 const NODAL_VARIABLES: &[&str] = &[
@@ -29,6 +31,22 @@ const NODAL_VARIABLES: &[&str] = &[
     "NEGATIVE_FACE_PRESSURE",
 ];
 
+/// Faults of cells that are shown; the rest is counted.
+const SHOWN: usize = 20;
+
+/// Refuses cells that are turned inside out, folded or flat.
+fn check_mesh(part: &ModelPart, dimension: usize, file: Option<&Path>, errors: &mut InputErrors) {
+    let faults = check_cells(part, &part.elements, dimension);
+    for fault in faults.iter().take(SHOWN) {
+        let place = file.map_or_else(Place::default, |f| mdpa::place_of(f, Category::Element, fault.id()));
+        errors.push(Diagnostic::error(place, fault.to_string()));
+    }
+    if faults.len() > SHOWN {
+        let message = format!("and {} more cells of {}", faults.len() - SHOWN, part.name);
+        errors.push(Diagnostic::error(file.map_or_else(Place::default, Place::file), message));
+    }
+}
+
 impl Implicit {
     pub(super) fn import_model(&mut self, model: &mut Model, registry: &Registry) -> Result<(), InputErrors> {
         let initial = format!("Initial_{}", self.settings.part);
@@ -40,10 +58,6 @@ impl Implicit {
             match source {
                 MeshSource::File(file) => {
                     if let Some(part) = errors.absorb(mdpa::read(file, name, registry)) {
-                        let place = Place::file(file);
-                        for fault in check_cells(&part, &part.elements).into_iter().take(20) {
-                            errors.push(Diagnostic::error(place.clone(), fault.to_string()));
-                        }
                         model.insert(part);
                     }
                 }
@@ -54,6 +68,13 @@ impl Implicit {
                     errors.push(diagnostic.help(format!("name an mdpa file; the modelers make: {}", parts.join(", "))));
                 }
                 MeshSource::Modeler => {}
+            }
+            if let Some(part) = model.part(name) {
+                check_mesh(part, self.settings.dimension, source.file(), &mut errors);
+                if name == GRID && part.elements.is_empty() {
+                    let place = source.file().map_or_else(Place::default, Place::file);
+                    errors.push(Diagnostic::error(place, "the background grid has no elements"));
+                }
             }
         }
         self.catalogue = registry.catalogue::<Catalogue>().cloned().unwrap_or_default();
@@ -90,13 +111,15 @@ impl Implicit {
             columns,
             kratos_exact: self.options.kratos_exact,
             part: &self.settings.part,
+            file: self.settings.bodies.file(),
         };
         let mut points = generate(&plan)?;
         let elements = grid.elements.len() + bodies.elements.len() + points.len();
         points.conditions = conditions::generate(grid, &requests, &locator, elements)?;
         let symmetric = points.blocks.iter().all(|block| block.law.is_symmetric());
         let linear = solver(self.settings.linear_method(symmetric)?);
-        self.linear = Some(linear);
+        self.linear =
+            Some(if symmetric && self.options.kratos_exact { Box::new(Forgiving::new(linear)) } else { linear });
         tracing::debug!("{}", locator.describe());
         self.locator = Some(locator);
         model.extend(points);
