@@ -2,9 +2,7 @@
 //! body that is free to slide, say) with an arbitrary undetermined part. Bia stops there and names
 //! the dof; only `kratos_exact` goes on as Kratos does, with the undetermined part left at zero.
 
-use bia_kernel::linalg::{
-    BlockMatrix, IterativeSettings, LinearError, LinearSolver, Method, SolveReport, solver,
-};
+use bia_kernel::linalg::{BlockMatrix, IterativeSettings, LinearError, LinearSolver, Method, SolveReport, solver};
 
 /// A solver that falls back to conjugate gradients where its matrix is singular.
 pub struct Forgiving {
