@@ -129,10 +129,7 @@ fn laws() {
         (
             "of space",
             |s| s.replace(MATERIALS, LAW, "HyperElasticNeoHookean3DLaw"),
-            &[
-                "is for three-dimensional or uniaxial strain elements",
-                "use HyperElasticNeoHookeanPlaneStrain2DLaw",
-            ],
+            &["is for three-dimensional or uniaxial strain elements", "use HyperElasticNeoHookeanPlaneStrain2DLaw"],
         ),
         (
             "axisymmetric law",
