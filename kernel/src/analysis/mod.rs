@@ -78,6 +78,10 @@ impl Analysis {
             modeler.setup_model_part(&mut model, registry)?;
         }
         solver.import(&mut model, registry)?;
+        let mut warnings = project.warnings.clone();
+        for part in model.parts_mut() {
+            warnings.extend(part.apply_data(registry));
+        }
         let mut errors = InputErrors::default();
         for process in &mut processes {
             errors.absorb(process.connect(&mut model));
@@ -97,7 +101,6 @@ impl Analysis {
         let clock = Clock { start, time: start, end: project.problem.number("end_time"), ..Clock::default() };
         check_time_step(solver.as_mut(), &model, &clock, &project)?;
         let first_output = own + project.processes.len();
-        let warnings = project.warnings;
         Ok(Self { model, solver, processes, first_output, clock, options, warnings, stages: Vec::new() })
     }
 

@@ -4,6 +4,7 @@
 //! lists indices into them. Names and ids live at the edges (input, output): inside there are
 //! indices.
 
+mod data;
 mod order;
 mod part;
 mod properties;
@@ -35,6 +36,11 @@ impl Model {
     /// The root model parts.
     pub fn parts(&self) -> &[ModelPart] {
         &self.parts
+    }
+
+    /// The root model parts, to be changed.
+    pub fn parts_mut(&mut self) -> &mut [ModelPart] {
+        &mut self.parts
     }
 
     /// The root part of this name.

@@ -5,7 +5,7 @@ use crate::error::Error;
 use crate::variables::Variable;
 
 /// Sets vector variables of all nodes of a root part to zero at the start of each step, before
-/// other processes write theirs. Solvers whose grid is reset put it at the head of the pipeline.
+/// other processes write theirs; what is fixed for good (in the mesh file, say) keeps its value. Solvers whose grid is reset put it at the head of the pipeline.
 pub struct ResetNodes {
     /// Root part.
     pub part: &'static str,
@@ -21,8 +21,13 @@ impl Process for ResetNodes {
     fn execute_initialize_solution_step(&mut self, context: &mut Context) -> Result<(), Error> {
         if let Some(part) = context.model.part_mut(self.part) {
             for variable in &self.variables {
-                if part.node_fields.vector(variable).is_some() {
-                    part.node_fields.vector_mut(variable, 0).fill([0.0; 3]);
+                if part.node_fields.vector(variable).is_none() {
+                    continue;
+                }
+                let fixed = part.node_fields.fixed(variable).map_or(Vec::new(), <[_]>::to_vec);
+                for (node, value) in part.node_fields.vector_mut(variable, 0).iter_mut().enumerate() {
+                    let held = fixed.get(node).copied().unwrap_or([false; 3]);
+                    (0..3).filter(|&a| !held[a]).for_each(|a| value[a] = 0.0);
                 }
             }
         }
@@ -37,19 +42,20 @@ mod tests {
     use crate::processes::{Clock, RunOptions};
 
     #[test]
-    fn only_existing_columns_are_reset() {
+    fn only_existing_columns_and_free_components_are_reset() {
         const MOVED: Variable = Variable::vector("MOVED", "m", "");
         const OTHER: Variable = Variable::vector("OTHER", "m", "");
         let mut model = Model::default();
         let mut part = ModelPart::new("Grid");
         part.node_fields.vector_mut(&MOVED, 2)[1] = [1.0; 3];
+        part.node_fields.fixed_mut(&MOVED, 2)[1][2] = true;
         model.insert(part);
         let (clock, options) = (Clock::default(), RunOptions::default());
         let mut context = Context { model: &mut model, clock: &clock, options: &options };
         let mut reset = ResetNodes { part: "Grid", variables: vec![MOVED, OTHER] };
         reset.execute_initialize_solution_step(&mut context).unwrap();
         let fields = &model.part("Grid").unwrap().node_fields;
-        assert_eq!(fields.vector(&MOVED), Some(&[[0.0; 3]; 2][..]));
+        assert_eq!(fields.vector(&MOVED), Some(&[[0.0; 3], [0.0, 0.0, 1.0]][..]));
         assert!(fields.vector(&OTHER).is_none());
     }
 }

@@ -51,6 +51,10 @@ impl Implicit {
     fn warnings(&self, points: &MaterialPoints, model: &Model) -> Vec<String> {
         let mut warnings = body_warnings(model, points);
         for material in &self.materials {
+            if !material.properties.tables.is_empty() {
+                let id = material.properties.id;
+                warnings.push(format!("properties {id}: tables have no effect, no law of this build reads one"));
+            }
             if let Some(ratio) = material.properties.number("POISSON_RATIO").filter(|ratio| *ratio > 0.45) {
                 let id = material.properties.id;
                 warnings.push(format!(
