@@ -143,7 +143,7 @@ fn material(law: &str, young: f64, poisson: f64) -> Properties {
 }
 
 fn build(law: &str, young: f64, poisson: f64, kinematics: Kinematics, kratos_exact: bool) -> Box<dyn crate::Law> {
-    let options = Options { kratos_exact };
+    let options = Options { kratos_exact, ..Options::default() };
     catalogue().build(&material(law, young, poisson), kinematics, &options, &Place::default()).unwrap()
 }
 

@@ -30,6 +30,8 @@ pub struct Plan<'a> {
     pub columns: Columns,
     /// Reproduce Kratos to round-off.
     pub kratos_exact: bool,
+    /// Laws are for an explicit solver.
+    pub explicit: bool,
     /// Name of the part of points.
     pub part: &'a str,
 }
@@ -155,7 +157,7 @@ fn new_block(plan: &Plan, body: usize, id: u32, element: u32) -> Result<Block, I
         }
         (kinematics, _) => kinematics,
     };
-    let options = Options { kratos_exact: plan.kratos_exact };
+    let options = Options { kratos_exact: plan.kratos_exact, explicit: plan.explicit };
     let law = errors.absorb(plan.catalogue.build(properties, kinematics, &options, &place));
     match law {
         Some(law) if !errors.any_error() => Ok(Block {
@@ -257,7 +259,7 @@ fn finish(block: &mut Block, plan: &Plan) {
     block.velocity = column(dimension, columns.motion);
     block.acceleration = column(dimension, columns.motion);
     block.stress = column(voigt, columns.stress);
-    block.strain = column(voigt, columns.strain);
+    block.strain = column(voigt, columns.strain || block.law.uses_strain());
     block.volume = column(1, columns.volume);
     if columns.volume {
         for point in 0..count {
