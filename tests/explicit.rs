@@ -128,6 +128,7 @@ fn energy_drifts_little() {
         let record = scene.run(&["--record-states", "10"]);
         let total = |state: common::State| state.energy("kinetic") + state.energy("strain");
         let kept = total(record.last()) / total(record.first());
+        println!("{scheme:?} keeps {kept}");
         assert!(lowest < kept && kept < highest, "{scheme:?} keeps {kept} of the energy");
     }
 }
@@ -157,16 +158,15 @@ fn results_have_the_same_bits_for_any_number_of_threads() {
 fn the_automatic_step_is_the_stable_one() {
     let mut solver = explicit(SCHEMES[2], "auto");
     solver["time_stepping"]["courant_number"] = json!(0.5);
-    let scene = bar(20, 1.0, solver).with(initial_velocity("MPM_Material", [0.25, 0.0, 0.0]));
-    let mut scene = scene;
+    let mut scene = bar(20, 0.99, solver).with(initial_velocity("MPM_Material", [0.25, 0.0, 0.0]));
     // Room for the flight.
     scene.grid = Mesh::block(Cell::Quadrilateral, [40, 1, 0], [0.0; 3], [2.0, 0.05, 0.0]);
     scene.parts[0].1 = scene.grid.find(|_| true);
     scene.parts[1].1 = scene.grid.find(|x| x[0] < 1e-9);
     let record = scene.run(&["--record-states", "4"]);
     let step = 0.5 * 0.05 / 1.25;
-    assert_eq!(record.json["steps"].as_f64().unwrap(), (1.0f64 / step).ceil());
-    assert!((record.last().time() - 1.0).abs() < 1e-12, "the run ends at {}", record.last().time());
+    assert_eq!(record.json["steps"].as_f64().unwrap(), (0.99f64 / step).ceil());
+    assert!((record.last().time() - 0.99).abs() < 1e-12, "the run ends at {}", record.last().time());
     assert_eq!(record.states().len(), 5);
 }
 
