@@ -39,8 +39,7 @@ fn clamped(scene: Scene) -> Scene {
 /// Mean displacement along x of the points beyond x (where they started).
 fn mean_displacement(record: &common::State, start: &[Vec<f64>], beyond: f64) -> f64 {
     let displacements = record.points("MP_DISPLACEMENT");
-    let chosen: Vec<f64> =
-        displacements.iter().zip(start).filter(|(_, x)| x[0] > beyond).map(|(u, _)| u[0]).collect();
+    let chosen: Vec<f64> = displacements.iter().zip(start).filter(|(_, x)| x[0] > beyond).map(|(u, _)| u[0]).collect();
     chosen.iter().sum::<f64>() / chosen.len() as f64
 }
 
@@ -64,10 +63,15 @@ fn free_flight_keeps_momentum() {
             let grid = Mesh::block(cell, [8, 8, 4], [0.0; 3], [4.0, 4.0, 2.0]);
             let body = Mesh::block(cell, [4, 3, 2], [0.9, 1.2, 0.3], [2.5, 2.4, 1.1]);
             let law = cell.law("HyperElasticNeoHookeanPlaneStrain2DLaw", "HyperElasticNeoHookean3DLaw");
-            let mut scene = Scene::new(grid, body, material(law, points, 1000.0, 1e6, 0.3), explicit(scheme, 1e-3), 0.2);
+            let mut scene =
+                Scene::new(grid, body, material(law, points, 1000.0, 1e6, 0.3), explicit(scheme, 1e-3), 0.2);
             // A second body moves the other way: both meet and deform.
             let second = Mesh::block(cell, [2, 2, 2], [2.6, 1.3, 0.3], [3.3, 2.2, 1.1]);
-            scene.bodies.push(common::Body { name: "Second", mesh: second, material: scene.bodies[0].material.clone() });
+            scene.bodies.push(common::Body {
+                name: "Second",
+                mesh: second,
+                material: scene.bodies[0].material.clone(),
+            });
             let scene = scene
                 .with(initial_velocity("MPM_Material.Body", [2.0, -0.5, 0.3]))
                 .with(initial_velocity("MPM_Material.Second", [-1.0, 0.8, 0.1]));
@@ -96,10 +100,9 @@ fn a_sudden_load_travels_as_dalembert_says() {
         scene.loads.push(("End", "MPMGridPointLoadCondition2D1N", end.iter().map(|&node| vec![node]).collect()));
         let parameters = json!({"model_part_name": "Background_Grid.End", "variable_name": "POINT_LOAD",
             "modulus": LOAD * h / 2.0, "direction": [1.0, 0.0, 0.0]});
-        let record = scene.with(process("assign_vector_by_direction_to_condition_process", parameters)).run(&[
-            "--record-states",
-            "40",
-        ]);
+        let record = scene
+            .with(process("assign_vector_by_direction_to_condition_process", parameters))
+            .run(&["--record-states", "40"]);
         let start = record.first().points("MP_COORD");
         let beyond = 1.0 - h;
         let squares: f64 = record
@@ -124,7 +127,8 @@ fn a_sudden_load_travels_as_dalembert_says() {
 #[test]
 fn energy_drifts_little() {
     for (scheme, [lowest, highest]) in SCHEMES.into_iter().zip(ENERGY_KEPT) {
-        let scene = clamped(bar(40, 20.0, explicit(scheme, 0.005))).with(initial_velocity("MPM_Material", [1e-4, 0.0, 0.0]));
+        let scene =
+            clamped(bar(40, 20.0, explicit(scheme, 0.005))).with(initial_velocity("MPM_Material", [1e-4, 0.0, 0.0]));
         let record = scene.run(&["--record-states", "10"]);
         let total = |state: common::State| state.energy("kinetic") + state.energy("strain");
         let kept = total(record.last()) / total(record.first());
@@ -193,9 +197,11 @@ fn a_moving_wall_drives_the_bar() {
     const VELOCITY: f64 = 1e-4;
     for scheme in SCHEMES {
         let time_step = 0.005;
-        let scene = bar(50, 0.6, explicit(scheme, time_step)).with(fix("Left", json!([VELOCITY * time_step, null, null])));
+        let scene =
+            bar(50, 0.6, explicit(scheme, time_step)).with(fix("Left", json!([VELOCITY * time_step, null, null])));
         let behind_the_front = |record: &Record| {
-            let (stress, position) = (record.last().points("MP_CAUCHY_STRESS_VECTOR"), record.last().points("MP_COORD"));
+            let (stress, position) =
+                (record.last().points("MP_CAUCHY_STRESS_VECTOR"), record.last().points("MP_COORD"));
             let plateau = |x: f64| (0.1..0.5).contains(&x);
             let chosen: Vec<f64> =
                 stress.iter().zip(&position).filter(|(_, x)| plateau(x[0])).map(|(s, _)| s[0]).collect();
@@ -212,16 +218,16 @@ fn a_moving_wall_drives_the_bar() {
 fn imposed_stretching_is_exact() {
     const RATE: f64 = 0.2;
     let time_step = 0.01;
-    for (cell, points) in
-        [(Cell::Quadrilateral, 4), (Cell::Triangle, 3), (Cell::Hexahedron, 8), (Cell::Tetrahedron, 4)]
+    for (cell, points) in [(Cell::Quadrilateral, 4), (Cell::Triangle, 3), (Cell::Hexahedron, 8), (Cell::Tetrahedron, 4)]
     {
         for scheme in SCHEMES {
             let grid = Mesh::block(cell, [5, 4, 3], [0.0; 3], [2.5, 2.0, 1.5]);
             let body = Mesh::block(cell, [2, 2, 2], [0.3, 0.4, 0.2], [1.2, 1.1, 0.9]);
             let law = cell.law("HyperElasticNeoHookeanPlaneStrain2DLaw", "HyperElasticNeoHookean3DLaw");
-            let scene = Scene::new(grid, body, material(law, points, 1.0, 1.0, 0.25), explicit(scheme, time_step), 0.495)
-                .part("All", |_| true)
-                .with(fix("All", json!([format!("{}*x", RATE * time_step), 0.0, 0.0])));
+            let scene =
+                Scene::new(grid, body, material(law, points, 1.0, 1.0, 0.25), explicit(scheme, time_step), 0.495)
+                    .part("All", |_| true)
+                    .with(fix("All", json!([format!("{}*x", RATE * time_step), 0.0, 0.0])));
             let record = scene.run(&[]);
             let stretch = (1.0 + RATE * time_step).powi(50);
             let start = record.first().points("MP_COORD");

@@ -12,7 +12,7 @@ pub enum Error {
     Input(#[from] InputErrors),
     /// The run went wrong physically: exit code 3.
     #[error("{0}")]
-    Failure(#[from] Box<Failure>),
+    Failure(#[from] Failure),
     /// A result file could not be written: exit code 2 (the place is the user's choice).
     #[error("{} cannot be written: {source}", path.display())]
     Write {
@@ -32,15 +32,14 @@ impl From<Diagnostic> for Error {
     }
 }
 
-impl From<Failure> for Error {
-    fn from(failure: Failure) -> Self {
-        Error::Failure(Box::new(failure))
-    }
-}
-
-/// A numerical failure: what, when, where, and what to try.
+/// A numerical failure: what, when, where, and what to try. A pointer wide, so that results that
+/// carry it stay small.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Failure {
+pub struct Failure(Box<FailureReport>);
+
+/// The content of a [`Failure`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct FailureReport {
     /// What went wrong, in one sentence.
     pub what: String,
     /// Step, counted from 1 (0 before the loop); filled in by the analysis.
@@ -60,7 +59,7 @@ pub struct Failure {
 impl Failure {
     /// A failure with advice; the analysis adds step and time.
     pub fn new(what: impl Into<String>, advice: impl Into<String>) -> Self {
-        Self {
+        Self(Box::new(FailureReport {
             what: what.into(),
             step: 0,
             time: 0.0,
@@ -68,38 +67,50 @@ impl Failure {
             position: None,
             details: Vec::new(),
             advice: advice.into(),
-        }
+        }))
     }
 
     /// Adds whom it concerns.
     #[must_use]
     pub fn at(mut self, entity: impl Into<String>, position: [f64; 3]) -> Self {
-        self.entity = Some(entity.into());
-        self.position = Some(position);
+        self.0.entity = Some(entity.into());
+        self.0.position = Some(position);
         self
+    }
+
+    /// Says when it happened.
+    pub fn stamp(&mut self, step: usize, time: f64) {
+        self.0.step = step;
+        self.0.time = time;
+    }
+
+    /// What is known of it.
+    pub fn report(&self) -> &FailureReport {
+        &self.0
     }
 
     /// Adds a line of numbers.
     #[must_use]
     pub fn detail(mut self, line: impl Into<String>) -> Self {
-        self.details.push(line.into());
+        self.0.details.push(line.into());
         self
     }
 }
 
 impl std::fmt::Display for Failure {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "step {}, time {}: {}", self.step, self.time, self.what)?;
-        if let Some(entity) = &self.entity {
+        let report = &*self.0;
+        write!(f, "step {}, time {}: {}", report.step, report.time, report.what)?;
+        if let Some(entity) = &report.entity {
             write!(f, "\n  {entity}")?;
-            if let Some([x, y, z]) = self.position {
+            if let Some([x, y, z]) = report.position {
                 write!(f, " at ({x}, {y}, {z})")?;
             }
         }
-        for line in &self.details {
+        for line in &report.details {
             write!(f, "\n  {line}")?;
         }
-        write!(f, "\n  try: {}", self.advice)
+        write!(f, "\n  try: {}", report.advice)
     }
 }
 

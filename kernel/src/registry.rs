@@ -72,6 +72,9 @@ pub struct ModelerEntry {
     pub build: fn(Building) -> Result<Box<dyn Modeler>, InputErrors>,
 }
 
+/// Builds a solver from `solver_settings`.
+pub type BuildSolver = fn(&Parameters, &Registry, &RunOptions) -> Result<Box<dyn Solver>, InputErrors>;
+
 /// A solver and how to build it.
 #[derive(Clone, Copy)]
 pub struct SolverEntry {
@@ -80,7 +83,7 @@ pub struct SolverEntry {
     /// What it does.
     pub help: &'static str,
     /// Builds it from `solver_settings`.
-    pub build: fn(&Parameters, &Registry, &RunOptions) -> Result<Box<dyn Solver>, InputErrors>,
+    pub build: BuildSolver,
 }
 
 /// All components.
@@ -99,6 +102,8 @@ impl Registry {
     pub fn with_kernel() -> Self {
         let mut registry = Self::default();
         crate::processes::assign::register(&mut registry);
+        crate::processes::json::register(&mut registry);
+        crate::processes::vtk::register(&mut registry);
         crate::modelers::register(&mut registry);
         registry
     }

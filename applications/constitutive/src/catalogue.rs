@@ -268,7 +268,10 @@ mod tests {
         let mut material = rubber("HyperElasticNeoHookean3DLaw");
         material.values.remove("DENSITY");
         let error = build(&material, Kinematics::PlaneStrain).err().unwrap();
-        assert!(error.contains("is for three-dimensional elements, but these elements are plane strain"), "{error}");
+        assert!(
+            error.contains("is for three-dimensional or uniaxial strain elements, but these elements are plane strain"),
+            "{error}"
+        );
         assert!(error.contains("use HyperElasticNeoHookeanPlaneStrain2DLaw"), "{error}");
         assert!(error.contains("DENSITY is missing"), "{error}");
     }

@@ -15,11 +15,14 @@ pub enum Kinematics {
     PlaneStress,
     /// Coordinates r, z, θ in the places of x, y, z; F33 = r/R.
     Axisymmetric,
+    /// Coordinate x alone; no strain across it, F22 = F33 = 1.
+    UniaxialStrain,
 }
 
 impl Kinematics {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::ThreeDimensional, Self::PlaneStrain, Self::PlaneStress, Self::Axisymmetric];
+    pub const ALL: [Self; 5] =
+        [Self::ThreeDimensional, Self::PlaneStrain, Self::PlaneStress, Self::Axisymmetric, Self::UniaxialStrain];
 
     /// Indices, into the three-dimensional Voigt order xx, yy, zz, xy, yz, xz, of the components
     /// that an element of this kind has, in the element's own order.
@@ -28,6 +31,7 @@ impl Kinematics {
             Self::ThreeDimensional => &[0, 1, 2, 3, 4, 5],
             Self::PlaneStrain | Self::PlaneStress => &[0, 1, 3],
             Self::Axisymmetric => &[0, 1, 2, 3],
+            Self::UniaxialStrain => &[0],
         }
     }
 
@@ -37,6 +41,7 @@ impl Kinematics {
             Self::ThreeDimensional => &["xx", "yy", "zz", "xy", "yz", "xz"],
             Self::PlaneStrain | Self::PlaneStress => &["xx", "yy", "xy"],
             Self::Axisymmetric => &["rr", "zz", "tt", "rz"],
+            Self::UniaxialStrain => &["xx"],
         }
     }
 
@@ -44,6 +49,7 @@ impl Kinematics {
     pub const fn dimension(self) -> usize {
         match self {
             Self::ThreeDimensional => 3,
+            Self::UniaxialStrain => 1,
             _ => 2,
         }
     }
@@ -55,6 +61,7 @@ impl Kinematics {
             Self::PlaneStrain => "plane strain",
             Self::PlaneStress => "plane stress",
             Self::Axisymmetric => "axisymmetric",
+            Self::UniaxialStrain => "uniaxial strain",
         }
     }
 }

@@ -103,9 +103,9 @@ impl<const PLANE_STRESS: bool> ConstitutiveLaw for SaintVenantKirchhoff<PLANE_ST
 
 /// The names under which materials files know this law.
 pub(crate) fn entries() -> Vec<LawEntry> {
-    use Kinematics::{Axisymmetric, PlaneStrain, PlaneStress, ThreeDimensional};
+    use Kinematics::{Axisymmetric, PlaneStrain, PlaneStress, ThreeDimensional, UniaxialStrain};
     vec![
-        LawEntry::of::<LinearElastic>("LinearElasticIsotropic3DLaw", &[ThreeDimensional])
+        LawEntry::of::<LinearElastic>("LinearElasticIsotropic3DLaw", &[ThreeDimensional, UniaxialStrain])
             .explicit::<Hypoelastic<false>>(),
         LawEntry::of::<LinearElastic>("LinearElasticIsotropicPlaneStrain2DLaw", &[PlaneStrain])
             .explicit::<Hypoelastic<false>>(),

@@ -91,9 +91,9 @@ impl ConstitutiveLaw for NeoHookean {
 
 /// The names under which materials files know this law.
 pub(crate) fn entries() -> Vec<LawEntry> {
-    use Kinematics::{Axisymmetric, PlaneStrain, ThreeDimensional};
+    use Kinematics::{Axisymmetric, PlaneStrain, ThreeDimensional, UniaxialStrain};
     vec![
-        LawEntry::of::<NeoHookean>("HyperElasticNeoHookean3DLaw", &[ThreeDimensional]),
+        LawEntry::of::<NeoHookean>("HyperElasticNeoHookean3DLaw", &[ThreeDimensional, UniaxialStrain]),
         LawEntry::of::<NeoHookean>("HyperElasticNeoHookeanPlaneStrain2DLaw", &[PlaneStrain]),
         LawEntry::of::<NeoHookean>("HyperElasticNeoHookeanAxisym2DLaw", &[Axisymmetric]),
         LawEntry::of::<PlaneStress<NeoHookean>>("HyperElasticNeoHookeanPlaneStress2DLaw", &[Kinematics::PlaneStress]),

@@ -12,6 +12,12 @@ pub const GRID: &str = "Background_Grid";
 macro_rules! with_shape {
     ($shape:expr, |$S:ident, $D:ident, $N:ident| $body:expr, else $other:expr) => {
         match $shape {
+            Shape::Line2 => {
+                type $S = Line2;
+                const $D: usize = 1;
+                const $N: usize = 2;
+                $body
+            }
             Shape::Triangle3 => {
                 type $S = Triangle3;
                 const $D: usize = 2;

@@ -3,7 +3,7 @@
 use crate::active::{ActiveCells, active_dofs};
 use crate::grid::GRID;
 use crate::points::fields::{append, total_energies};
-use crate::points::{Block, MaterialPoints};
+use crate::points::{Block, MaterialPoints, Selection};
 use crate::scene::{Scene, points_of};
 use bia_kernel::error::Error;
 use bia_kernel::io::dataset::{CellsOf, Dataset, Field, FieldData};
@@ -106,7 +106,7 @@ fn columns(points: &MaterialPoints, used: bool) -> String {
 /// Energies that the columns in use allow.
 pub fn energies(model: &Model) -> Vec<(&'static str, f64)> {
     let Some(points) = points_of(model) else { return Vec::new() };
-    let energies = total_energies(points, None);
+    let energies = total_energies(points, Selection::All);
     let block = points.blocks.first();
     let mut list = vec![("potential", energies.potential)];
     if block.is_some_and(|block| block.velocity.is_used()) {
@@ -121,9 +121,9 @@ pub fn energies(model: &Model) -> Vec<(&'static str, f64)> {
 /// Writes the points with every column in use to `failed_state.vtu`.
 pub fn save_state(model: &Model, folder: &Path) -> Result<Vec<PathBuf>, Error> {
     let Some(points) = points_of(model) else { return Ok(Vec::new()) };
-    let order = points.by_id(None);
+    let order = points.by_id(Selection::All);
     let mut data = Dataset {
-        points: order.iter().map(|&(b, p)| points.blocks[b as usize].position_of(p as usize)).collect(),
+        points: order.iter().map(|&(b, p)| points.blocks[b as usize].coordinates(p as usize)).collect(),
         cells: CellsOf::Vertices,
         point_fields: Vec::new(),
         cell_fields: Vec::new(),

@@ -1,10 +1,10 @@
-//! The materials file: constants and law of each part of the bodies.
+//! Materials, from a file or from the project itself: constants and law of each part of the bodies.
 
+use crate::settings::MaterialSource;
 use bia_constitutive::Catalogue;
 use bia_kernel::diagnostic::InputErrors;
 use bia_kernel::model::{ModelPart, Properties, Table, Value};
 use bia_kernel::parameters::{Document, Key, Kind, Parameters};
-use std::path::Path;
 
 const ENTRY: &[Key] = &[
     Key::required("model_part_name", Kind::Text, "part of the bodies, such as Initial_MPM_Material.Parts_Body"),
@@ -25,7 +25,7 @@ const TABLE: &[Key] = &[
 ];
 
 /// Variables that elements take from a material, beside those of the laws.
-const ELEMENT_VARIABLES: &[&str] = &["DENSITY", "THICKNESS", "MATERIAL_POINTS_PER_ELEMENT"];
+const ELEMENT_VARIABLES: &[&str] = &["DENSITY", "THICKNESS", "CROSS_AREA", "MATERIAL_POINTS_PER_ELEMENT"];
 /// Variables that Kratos's materials may carry though the present law does not read them.
 const OTHER_VARIABLES: &[&str] = &[
     "YOUNG_MODULUS",
@@ -67,19 +67,23 @@ pub struct Material {
     pub parameters: Parameters,
 }
 
-/// Reads the file and gives each element of the named parts its properties.
+/// Reads the materials and gives each element of the named parts its properties.
 ///
 /// # Errors
-/// All faults of the file together.
+/// All faults of the materials together.
 pub fn read(
-    file: &Path,
+    source: &MaterialSource,
     bodies: &mut ModelPart,
     part: &str,
     catalogue: &Catalogue,
 ) -> Result<Vec<Material>, InputErrors> {
-    let root = Parameters::root(Document::read(file)?);
-    let Some(list) = root.child("properties").filter(|list| list.value().is_array()) else {
-        return Err(root.error("the list \"properties\" is missing").into());
+    let list = match source {
+        MaterialSource::File(file) => {
+            let root = Parameters::root(Document::read(file)?);
+            let list = root.child("properties").filter(|list| list.value().is_array());
+            list.ok_or_else(|| InputErrors::from(root.error("the list \"properties\" is missing")))?
+        }
+        MaterialSource::Project(list) => list.clone(),
     };
     let mut errors = InputErrors::default();
     let mut materials: Vec<Material> = Vec::new();

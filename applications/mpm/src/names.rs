@@ -6,10 +6,12 @@ use bia_kernel::io::mdpa::Category;
 use bia_kernel::registry::Registry;
 
 const ELEMENTS: &[(&str, Shape)] = &[
+    ("Element1D2N", Shape::Line2),
     ("Element2D3N", Shape::Triangle3),
     ("Element2D4N", Shape::Quadrilateral4),
     ("Element3D4N", Shape::Tetrahedron4),
     ("Element3D8N", Shape::Hexahedron8),
+    ("MPMUpdatedLagrangian1D2N", Shape::Line2),
     ("MPMUpdatedLagrangian2D3N", Shape::Triangle3),
     ("MPMUpdatedLagrangian2D4N", Shape::Quadrilateral4),
     ("MPMUpdatedLagrangian3D4N", Shape::Tetrahedron4),
@@ -38,6 +40,8 @@ const ELEMENTS: &[(&str, Shape)] = &[
 ];
 
 const CONDITIONS: &[(&str, Shape)] = &[
+    ("PointCondition1D1N", Shape::Point1),
+    ("MPMGridPointLoadCondition1D1N", Shape::Point1),
     ("PointCondition2D1N", Shape::Point1),
     ("PointCondition3D1N", Shape::Point1),
     ("LineCondition2D2N", Shape::Line2),

@@ -1,9 +1,9 @@
 //! The account of a run, in the layout that Kratos's reference results have.
 
 use crate::grid::GRID;
-use crate::points::MaterialPoints;
 use crate::points::conditions::PointConditions;
 use crate::points::fields::{CONDITION_VARIABLES, append, append_condition, energies, total_energies};
+use crate::points::{MaterialPoints, Selection};
 use crate::variables::{DISPLACEMENT, NODAL_MASS, REACTION};
 use bia_kernel::analysis::number;
 use bia_kernel::io::json::JsonObject;
@@ -50,7 +50,7 @@ pub fn snapshot(model: &Model, out: &mut JsonObject) -> Result<()> {
         return Ok(());
     };
     out.value("n_mp", &points.len().into())?;
-    let total = total_energies(points, None);
+    let total = total_energies(points, Selection::All);
     let energies = json!({"potential": number(total.potential), "kinetic": number(total.kinetic),
         "strain": number(total.strain), "total": number(total.total())});
     out.value("energies", &energies)?;
@@ -79,7 +79,7 @@ fn sums(points: &MaterialPoints) -> Value {
 }
 
 fn point_fields(points: &MaterialPoints, out: &mut JsonObject) -> Result<()> {
-    let order = points.by_id(None);
+    let order = points.by_id(Selection::All);
     let block_of = |b: u32| &points.blocks[b as usize];
     out.integers("ids", order.iter().map(|&(b, p)| block_of(b).ids[p as usize]))?;
     for &(name, vector) in POINT_FIELDS {

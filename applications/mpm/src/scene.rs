@@ -166,7 +166,7 @@ impl Scene {
             columns = columns.or(fields::ENERGY);
         }
         if requirements.record {
-            columns = Columns { displacement: true, motion: true, stress: true, strain: true, volume: true };
+            columns = columns.or(fields::RECORD);
         }
         errors.or(columns)
     }
@@ -220,13 +220,14 @@ pub fn with_points<T>(
     result
 }
 
-/// Carries material-point conditions with the grid.
+/// Carries material-point conditions with the grid; `least` as in
+/// the field of this name of the implicit solver.
 pub fn move_conditions(
     conditions: &mut PointConditions,
     grid: &ModelPart,
     dofs: &ActiveDofs,
-    increments: &[f64],
-    velocities: &[f64],
+    [increments, velocities]: [&[f64]; 2],
+    least: Option<f64>,
 ) {
     let block = dofs.block();
     for i in 0..conditions.len() {
@@ -236,7 +237,7 @@ pub fn move_conditions(
         shape.functions(conditions.local[i], &mut functions[..shape.node_count()]);
         conditions.velocity[i] = [0.0; 3];
         for (&node, n) in grid.elements.nodes_of(cell).iter().zip(functions) {
-            let Some(number) = dofs.number(node).filter(|_| n > f64::EPSILON) else { continue };
+            let Some(number) = dofs.number(node).filter(|_| least.is_none_or(|least| n > least)) else { continue };
             for a in 0..block {
                 conditions.position[i][a] += n * increments[number * block + a];
                 conditions.displacement[i][a] += n * increments[number * block + a];

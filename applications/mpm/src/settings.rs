@@ -15,7 +15,10 @@ const IMPORT: &[Key] = &[
     Key::new("input_type", Kind::Choice(&["mdpa", "use_input_model_part"]), "\"mdpa\"", "where the mesh comes from"),
     Key::new("input_filename", Kind::Text, "\"\"", "mdpa file, with or without .mdpa"),
 ];
-const MATERIALS: &[Key] = &[Key::new("materials_filename", Kind::Text, "\"\"", "materials file")];
+const MATERIALS: &[Key] = &[
+    Key::new("materials_filename", Kind::Text, "\"\"", "materials file"),
+    Key::optional("materials", Kind::List, "the entries of the materials file's list \"properties\", here"),
+];
 const SEARCH: &[Key] = &[
     Key::new("search_algorithm_type", Kind::Choice(&["bin_based"]), "\"bin_based\"", "accepted; Bia chooses"),
     Key::new("max_number_of_results", Kind::Integer { min: 1 }, "1000", "accepted"),
@@ -40,7 +43,7 @@ const COURANT: Range = Range { low: 0.0, high: 1.0, low_open: true, text: "a num
 pub const KEYS: &[Key] = &[
     Key::required("solver_type", Kind::Text, "static, quasi_static or dynamic"),
     Key::new("model_part_name", Kind::Text, "\"MPM_Material\"", "name of the part of material points"),
-    Key::required("domain_size", Kind::Integer { min: 1 }, "dimension of space: 2 or 3"),
+    Key::required("domain_size", Kind::Integer { min: 1 }, "dimension of space: 1, 2 or 3"),
     Key::new("echo_level", Kind::Integer { min: 0 }, "0", "ignored: --quiet and the log level rule"),
     Key::new("analysis_type", Kind::Choice(&["non_linear", "linear"]), "\"non_linear\"", "Newton, or one solve a step"),
     Key::new(
@@ -71,6 +74,12 @@ pub const KEYS: &[Key] = &[
     ),
     Key::new("damp_factor_m", Kind::Number(Range::NOT_POSITIVE), "-0.3", "Bossak's alpha"),
     Key::new("newmark_beta", Kind::Number(Range::POSITIVE), "0.25", "Newmark's beta for alpha = 0"),
+    Key::new(
+        "point_velocity_rule",
+        Kind::Choice(&["trapezoidal", "scheme"]),
+        "\"trapezoidal\"",
+        "weight of the new acceleration in a point's velocity: 1/2 as in Kratos, or the scheme's gamma",
+    ),
     Key::required("time_stepping", Kind::Object(STEPPING), "the time step [s]"),
     Key::new(
         "convergence_criterion",
@@ -127,6 +136,15 @@ pub enum MeshSource {
     File(PathBuf),
     /// A modeler has made the part.
     Modeler,
+}
+
+/// Where the materials come from.
+#[derive(Debug, Clone)]
+pub enum MaterialSource {
+    /// A materials file.
+    File(PathBuf),
+    /// A list in the project.
+    Project(Parameters),
 }
 
 /// The step as a number or as a function of time.
@@ -199,6 +217,8 @@ pub struct SolverSettings {
     pub explicit: Option<ExplicitSettings>,
     /// Time scheme of dynamics.
     pub newmark: Newmark,
+    /// Weight of the new acceleration in the points' velocity.
+    pub point_gamma: f64,
     /// Newton's method.
     pub newton: Newton,
     /// The user's linear solver settings.
@@ -217,8 +237,8 @@ pub struct SolverSettings {
     pub grid: MeshSource,
     /// Mesh of the bodies.
     pub bodies: MeshSource,
-    /// Materials file.
-    pub materials: PathBuf,
+    /// Materials.
+    pub materials: MaterialSource,
     /// The settings as read, for places in messages.
     pub settings: Settings,
 }
@@ -232,11 +252,11 @@ impl SolverSettings {
         let s = parameters.read(KEYS)?;
         let mut errors = InputErrors::default();
         let dimension = s.integer("domain_size") as usize;
-        if !(2..=3).contains(&dimension) {
-            errors.push(s.error("domain_size", format!("is {dimension}, must be 2 or 3")));
+        if !(1..=3).contains(&dimension) {
+            errors.push(s.error("domain_size", format!("is {dimension}, must be 1, 2 or 3")));
         }
         let axisymmetric = s.flag("axis_symmetric_flag");
-        if axisymmetric && dimension == 3 {
+        if axisymmetric && dimension != 2 {
             errors.push(s.error("axis_symmetric_flag", "needs domain_size 2"));
         }
         if s.flag("pressure_dofs") {
@@ -255,7 +275,7 @@ impl SolverSettings {
         let stepping = errors.absorb(stepping(&s, is_explicit));
         let grid = errors.absorb(mesh(&s, "grid_model_import_settings", folder));
         let bodies = errors.absorb(mesh(&s, "model_import_settings", folder));
-        let materials = errors.absorb(materials_file(&s, folder));
+        let materials = errors.absorb(materials(&s, folder));
         let parts = (stepping, grid, bodies, materials);
         let (Some(stepping), Some(grid), Some(bodies), Some(materials)) = parts else {
             return Err(errors);
@@ -267,6 +287,7 @@ impl SolverSettings {
             regime,
             explicit: is_explicit.then(|| explicit(&s)),
             newmark: newmark(&s),
+            point_gamma: if s.text("point_velocity_rule") == "scheme" { newmark(&s).gamma() } else { 0.5 },
             newton: newton(&s),
             linear: s.get("linear_solver_settings").cloned(),
             stepping,
@@ -295,6 +316,7 @@ impl SolverSettings {
     pub fn kinematics(&self, plane_stress: bool) -> Kinematics {
         match (self.dimension, self.axisymmetric, plane_stress) {
             (3, _, _) => Kinematics::ThreeDimensional,
+            (1, _, _) => Kinematics::UniaxialStrain,
             (_, true, _) => Kinematics::Axisymmetric,
             (_, _, true) => Kinematics::PlaneStress,
             _ => Kinematics::PlaneStrain,
@@ -413,13 +435,21 @@ fn mesh(s: &Settings, key: &str, folder: &std::path::Path) -> Result<MeshSource,
     Ok(MeshSource::File(file))
 }
 
-fn materials_file(s: &Settings, folder: &std::path::Path) -> Result<PathBuf, InputErrors> {
-    let nested = s.nested("material_import_settings");
-    match nested.map(|n| n.text("materials_filename")) {
-        Some(name) if !name.is_empty() => Ok(folder.join(name)),
-        _ => {
+fn materials(s: &Settings, folder: &std::path::Path) -> Result<MaterialSource, InputErrors> {
+    let Some(nested) = s.nested("material_import_settings") else {
+        return Err(s.error("material_import_settings", "must be an object").into());
+    };
+    match (nested.text("materials_filename"), nested.get("materials")) {
+        ("", Some(list)) => Ok(MaterialSource::Project(list.clone())),
+        ("", None) => {
             let message = "\"materials_filename\" is missing";
-            Err(s.error("material_import_settings", message).help("name the materials file").into())
+            let help = "name the materials file, or write its list here as \"materials\"";
+            Err(s.error("material_import_settings", message).help(help).into())
+        }
+        (name, None) => Ok(MaterialSource::File(folder.join(name))),
+        (_, Some(list)) => {
+            let message = "the materials stand here and in \"materials_filename\"";
+            Err(list.error(message).help("keep one of the two").into())
         }
     }
 }

@@ -31,6 +31,7 @@ variables! {
     vector MP_VELOCITY, "m/s", "velocity of a material point";
     vector MP_ACCELERATION, "m/s²", "acceleration of a material point";
     vector MP_VOLUME_ACCELERATION, "m/s²", "body force per mass of a material point";
+    vector MP_BODY_ACCELERATION, "m/s²", "part of the body force per mass that functions give";
     voigt MP_CAUCHY_STRESS_VECTOR, "Pa", "Cauchy stress of a material point";
     voigt MP_ALMANSI_STRAIN_VECTOR, "1", "strain of a material point, in the measure of its law";
     scalar MP_MASS, "kg", "mass of a material point";

@@ -140,11 +140,10 @@ impl Analysis {
         match self.run_loop(observer, planned, &mut recorder, &mut account) {
             Ok(()) => {}
             Err(Error::Failure(mut failure)) => {
-                failure.step = self.clock.step;
-                failure.time = self.clock.time;
+                failure.stamp(self.clock.step, self.clock.time);
                 if let Ok(files) = self.solver.save_state(&self.model, &self.options.output) {
                     let names: Vec<String> = files.iter().map(|f| f.display().to_string()).collect();
-                    failure.details.push(format!("the state was saved to {}", names.join(", ")));
+                    failure = failure.detail(format!("the state was saved to {}", names.join(", ")));
                 }
                 return Err(Error::Failure(failure));
             }

@@ -18,8 +18,9 @@ impl OutputControl {
         Self::new(settings.text("output_control_type") == "time", settings.number("output_interval"))
     }
 
-    /// Every `interval` steps or seconds.
+    /// Every `interval` steps or seconds; a part of a step is left out, as in Kratos.
     pub fn new(by_time: bool, interval: f64) -> Self {
+        let interval = if by_time { interval } else { interval.trunc() };
         Self { by_time, interval, next: interval }
     }
 
@@ -70,6 +71,7 @@ mod tests {
     #[test]
     fn outputs_come_at_whole_intervals() {
         assert_eq!(printed(false, 4.0, 0.1), [4, 8]);
+        assert_eq!(printed(false, 2.5, 0.1), [2, 4, 6, 8, 10], "as Kratos 10.4.4");
         assert_eq!(printed(true, 0.2, 0.1), [2, 4, 6, 8, 10]);
         assert_eq!(printed(true, 0.25, 0.1), [3, 5, 8, 10]);
         assert_eq!(printed(true, 0.05, 0.1), (1..=10).collect::<Vec<_>>(), "never more than once a step");

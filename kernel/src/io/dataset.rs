@@ -128,6 +128,19 @@ impl Dataset {
         }
     }
 
+    /// The same with all real numbers rounded to single precision.
+    #[must_use]
+    pub fn in_single_precision(mut self) -> Self {
+        let round = |value: &mut f64| *value = f64::from(*value as f32);
+        self.points.as_flattened_mut().iter_mut().for_each(round);
+        for field in self.point_fields.iter_mut().chain(&mut self.cell_fields) {
+            if let FieldData::F64(values) = &mut field.values {
+                values.iter_mut().for_each(round);
+            }
+        }
+        self
+    }
+
     /// Checks that all lists belong together, so that what is written can be read.
     ///
     /// # Errors

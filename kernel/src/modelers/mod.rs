@@ -1,10 +1,23 @@
 //! Modelers: make model parts from files, from geometries, or from nothing.
 
+mod body;
+mod fitted;
 mod kratos;
+mod mesh;
+mod parts;
+mod placement;
+mod primitive;
+mod reading;
+mod regular_grid;
+
+#[cfg(test)]
+mod tests;
 
 use crate::registry::Registry;
 
 /// Registers the kernel's modelers.
 pub fn register(registry: &mut Registry) {
     kratos::register(registry);
+    regular_grid::register(registry);
+    body::register(registry);
 }

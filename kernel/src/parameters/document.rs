@@ -251,7 +251,7 @@ mod tests {
         let document = Document::parse(Path::new("f.json"), TEXT.into()).unwrap();
         assert_eq!(document.root().pointer("/a/b~1c/2").unwrap(), "x//y");
         let place = document.place("/a/b~1c/1/d");
-        assert_eq!((place.line, place.column), (Some(2), Some(27)));
+        assert_eq!((place.line, place.column), (Some(2), Some(26)));
         let place = document.place("/e");
         assert_eq!((place.line, place.column), (Some(3), Some(19)));
         assert_eq!(document.place("/a/missing").line, Some(2), "the enclosing value");

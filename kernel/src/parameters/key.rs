@@ -111,6 +111,18 @@ impl Key {
         Key { name, aliases: &[], kind, default: Default::Absent, help }
     }
 
+    /// Two tables as one: the keys that several components share and those of one. `N` is `A + B`.
+    pub const fn join<const A: usize, const B: usize, const N: usize>(shared: [Key; A], own: [Key; B]) -> [Key; N] {
+        assert!(A + B == N, "the length of the joined table");
+        let mut keys = [shared[0]; N];
+        let mut i = 0;
+        while i < N {
+            keys[i] = if i < A { shared[i] } else { own[i - A] };
+            i += 1;
+        }
+        keys
+    }
+
     /// The same key under older names too.
     #[must_use]
     pub const fn or(mut self, aliases: &'static [&'static str]) -> Key {

@@ -1,8 +1,11 @@
 //! Processes: what a scene does beside solving, driven by the hooks of the analysis.
 
 pub mod assign;
+pub mod json;
+pub mod quantity;
 mod reset;
 mod value;
+pub mod vtk;
 
 pub use reset::ResetNodes;
 pub use value::{Interval, SpaceTimeValue};

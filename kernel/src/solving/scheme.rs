@@ -31,11 +31,16 @@ pub struct Coefficients {
 }
 
 impl Newmark {
+    /// Weight of the new acceleration in the velocity: 1/2 - alpha.
+    pub fn gamma(&self) -> f64 {
+        0.5 - self.alpha
+    }
+
     /// Coefficients for the step `dt` in seconds: beta (1 - alpha)² and gamma = 1/2 - alpha keep
     /// second order for every alpha.
     pub fn coefficients(&self, dt: f64) -> Coefficients {
         let beta = (1.0 - self.alpha).powi(2) * self.beta;
-        let gamma = 0.5 - self.alpha;
+        let gamma = self.gamma();
         Coefficients {
             c0: 1.0 / (beta * dt * dt),
             c1: gamma / (beta * dt),

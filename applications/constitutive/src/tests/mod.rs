@@ -12,8 +12,8 @@ use nalgebra::{DMatrix, Matrix3, Matrix6, Rotation3, Vector3};
 use crate::tensor::{stress_from_voigt, stress_to_voigt};
 use crate::verify::{stress_from_energy, tangent_from_stress};
 use crate::{
-    ConstitutiveLaw, Deformation, Kinematics, LameParameters, LawEntry, LinearElastic, LinearElasticPlaneStress, NeoHookean,
-    Options, PlaneStress, Response, Tangent, Voigt, Want, YOUNG_MODULUS, catalogue,
+    ConstitutiveLaw, Deformation, Kinematics, LameParameters, LawEntry, LinearElastic, LinearElasticPlaneStress,
+    NeoHookean, Options, PlaneStress, Response, Tangent, Voigt, Want, YOUNG_MODULUS, catalogue,
 };
 
 const ALL: &[usize] = &[0, 1, 2, 3, 4, 5];
@@ -160,7 +160,7 @@ fn allowed(h: &Matrix3<f64>, kinematics: Kinematics) -> Matrix3<f64> {
     Matrix3::from_fn(|a, b| match kinematics {
         Kinematics::ThreeDimensional => h[(a, b)],
         Kinematics::Axisymmetric if (a, b) == (2, 2) => h[(a, b)],
-        _ if a < 2 && b < 2 => h[(a, b)],
+        _ if a < kinematics.dimension() && b < kinematics.dimension() => h[(a, b)],
         _ => 0.0,
     })
 }

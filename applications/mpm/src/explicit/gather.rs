@@ -6,7 +6,7 @@ use crate::active::ActiveCells;
 use crate::grid::{corners, with_shape};
 use crate::points::Block;
 use bia_constitutive::Kinematics;
-use bia_kernel::geometry::{CellShape, Hexahedron8, Quadrilateral4, Shape, Tetrahedron4, Triangle3};
+use bia_kernel::geometry::{CellShape, Hexahedron8, Line2, Quadrilateral4, Shape, Tetrahedron4, Triangle3};
 use bia_kernel::model::ModelPart;
 use bia_kernel::solving::ActiveDofs;
 use bia_kernel::solving::ordered::in_order;
@@ -175,7 +175,7 @@ impl<S: CellShape<D, N>, const D: usize, const N: usize> CellTask<'_, S, D, N> {
                 scaled[a][b] = volume * stress[stored_index::<D>(stress.len(), a, b)];
             }
         }
-        let weight: [f64; D] = std::array::from_fn(|a| mass * block.body_acceleration[a]);
+        let weight = block.body_acceleration_of::<D>(point).map(|g| mass * g);
         for i in 0..N {
             for a in 0..D {
                 let mut inner = 0.0;

@@ -107,6 +107,7 @@ pub fn strain(strain: &Voigt, velocity_gradient: &Matrix3<f64>, time_step: f64, 
 #[inline(always)]
 pub fn jacobian(row: &[f64]) -> f64 {
     match *row {
+        [a] => a,
         [a, b, c, d] => a * d - b * c,
         [a, b, c, d, e] => (a * d - b * c) * e,
         [a, b, c, d, e, f, g, h, i] => a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g),

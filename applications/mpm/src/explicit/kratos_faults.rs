@@ -76,6 +76,11 @@ impl KratosFaults {
         if self.0 { f64::EPSILON } else { f64::EPSILON * largest }
     }
 
+    /// Functions up to this one do not carry conditions; none to let all do so.
+    pub fn least_function(self) -> Option<f64> {
+        self.0.then_some(f64::EPSILON)
+    }
+
     /// How far a point may move in one step, given the smallest active cell: Kratos does not look.
     pub fn reach(self, smallest_cell: f64) -> f64 {
         if self.0 { f64::INFINITY } else { smallest_cell }

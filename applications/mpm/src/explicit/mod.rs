@@ -18,7 +18,7 @@ mod stability;
 
 use crate::active::ActiveCells;
 use crate::grid::{GRID, write_nodal};
-use crate::points::{Columns, MaterialPoints, law_failure};
+use crate::points::{Columns, MaterialPoints};
 use crate::scene::{Scene, move_conditions, points_of, with_points};
 use crate::settings::{ExplicitSettings, Scheme, SolverSettings, Stepping};
 use crate::variables::{ACCELERATION, DISPLACEMENT, NODAL_MASS, REACTION, VELOCITY};
@@ -135,7 +135,7 @@ impl Explicit {
                 let velocity = block.velocity.row(point);
                 let step = time_step / 1000.0;
                 block.position.row_mut(point).iter_mut().zip(velocity).for_each(|(x, v)| *x += step * v);
-                if let Some((cell, xi)) = locator.locate(block.position_of(point), Some(block.cell[point])) {
+                if let Some((cell, xi)) = locator.locate(block.coordinates(point), Some(block.cell[point])) {
                     block.cell[point] = cell;
                     let local = block.local.row_mut(point);
                     local.copy_from_slice(&xi[..local.len()]);
@@ -205,19 +205,19 @@ impl Explicit {
                   little material"
                 .to_string(),
         };
-        let failure = match &trouble.cause {
-            Cause::Law(error) => Failure { advice, ..law_failure(block, trouble.point, &gradient, error) },
+        let jacobian = format!("J = {:e}", gradient.determinant());
+        let (what, detail) = match &trouble.cause {
+            Cause::Law(error) => (format!("the law {} has no answer: {error}", block.law.name()), jacobian),
             Cause::Inverted(jacobian) => {
                 let what = "the run is unstable: a material point is turned inside out";
-                let at = Failure::new(what, advice).at(name, block.position_of(trouble.point));
-                at.detail(format!("J = {jacobian:e}"))
+                (what.to_string(), format!("J = {jacobian:e}"))
             }
             Cause::Moved(distance) => {
                 let what = "the run is unstable: a material point moves farther than a cell in one step";
-                let at = Failure::new(what, advice).at(name, block.position_of(trouble.point));
-                at.detail(format!("J = {:e}; it moves {distance:e} m", gradient.determinant()))
+                (what.to_string(), format!("{jacobian}; it moves {distance:e} m"))
             }
         };
+        let failure = Failure::new(what, advice).at(name, block.coordinates(trouble.point)).detail(detail);
         let speed = block.velocity.row(trouble.point);
         let failure = failure.detail(format!("velocity: {speed:?} m/s"));
         let stable = self.limits.stable_step();
@@ -385,7 +385,9 @@ impl Solver for Explicit {
             let mut increments = Vec::new();
             if conditions || (self.shows(DISPLACEMENT.name) && !self.faults.shows_old_nodes()) {
                 increments.extend(self.nodes.velocity.iter().map(|v| v * time_step));
-                move_conditions(&mut points.conditions, grid, &self.nodes.dofs, &increments, &self.nodes.velocity);
+                let least = self.faults.least_function();
+                let motion = [&increments[..], &self.nodes.velocity[..]];
+                move_conditions(&mut points.conditions, grid, &self.nodes.dofs, motion, least);
             }
             if self.faults.shows_old_nodes() {
                 increments.clear();

@@ -7,7 +7,7 @@ use crate::active::NO_CELL;
 use crate::grid::{corners, nodal_vectors, with_shape};
 use crate::points::{MaterialPoints, compress, expand};
 use bia_constitutive::{Deformation, Kinematics, Law, LawError, Voigt};
-use bia_kernel::geometry::{CellShape, Hexahedron8, Quadrilateral4, Shape, Tetrahedron4, Triangle3};
+use bia_kernel::geometry::{CellShape, Hexahedron8, Line2, Quadrilateral4, Shape, Tetrahedron4, Triangle3};
 use bia_kernel::model::ModelPart;
 use bia_kernel::solving::ActiveDofs;
 use nalgebra::Matrix3;

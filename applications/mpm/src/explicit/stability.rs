@@ -26,7 +26,7 @@ fn face_shape(nodes: usize) -> Shape {
 }
 
 /// Smallest height of each cell in metres: its measure over that of its largest face, times the
-/// dimension for simplices; infinite for cells that are no solids.
+/// dimension for simplices, the length of lines; infinite for cells that are no solids.
 pub fn cell_sizes(grid: &ModelPart) -> Vec<f64> {
     let cells = &grid.elements;
     let size = |cell: usize| {
@@ -37,6 +37,9 @@ pub fn cell_sizes(grid: &ModelPart) -> Vec<f64> {
         };
         let largest = faces(shape).iter().map(area).fold(0.0, f64::max);
         let heights = if shape.is_affine() { shape.dimension() as f64 } else { 1.0 };
+        if shape == Shape::Line2 {
+            return shape.measure(&corners);
+        }
         if largest > 0.0 { heights * shape.measure(&corners).abs() / largest } else { f64::INFINITY }
     };
     (0..cells.len()).map(size).collect()

@@ -167,7 +167,8 @@ impl Integrator<'_> {
                 let Some(at) = &kinematics[k] else { continue };
                 let mass = block.mass.get::<1>(point as usize)[0];
                 let volume = mass / block.density * at.gradient.determinant();
-                self.forces(block, mass, volume, at, &responses[k], &mut buffer.vector);
+                let body = block.body_acceleration_of::<D>(point as usize).map(|b| mass * b);
+                self.forces(&body, volume, at, &responses[k], &mut buffer.vector);
                 if with_matrix {
                     self.tangent(volume, at, &responses[k], &mut buffer.matrix);
                 }
@@ -182,8 +183,7 @@ impl Integrator<'_> {
     #[inline(always)]
     fn forces<const D: usize, const N: usize>(
         &self,
-        block: &Block,
-        mass: f64,
+        body: &[f64; D],
         volume: f64,
         at: &PointKinematics<D, N>,
         response: &Response,
@@ -192,7 +192,7 @@ impl Integrator<'_> {
         for i in 0..N {
             for a in 0..D {
                 let inner: f64 = (0..D).map(|b| at.gradients[b][i] * response.stress[VOIGT[a][b]]).sum();
-                vector[i * D + a] += at.functions[i] * mass * block.body_acceleration[a] - volume * inner;
+                vector[i * D + a] += at.functions[i] * body[a] - volume * inner;
             }
             if self.kinematics == Kinematics::Axisymmetric {
                 vector[i * D] -= volume * at.functions[i] / at.radius * response.stress[2];
@@ -303,7 +303,7 @@ fn inverted(block: &Block, point: usize, relative: &Matrix3<f64>) -> Failure {
         "the deformation of this step turns a material point inside out",
         "a smaller time step, smaller loads per step, or a finer grid",
     )
-    .at(format!("material point {}", block.ids[point]), block.position_of(point))
+    .at(format!("material point {}", block.ids[point]), block.coordinates(point))
     .detail(format!("determinant of the step's deformation gradient: {:e}", relative.determinant()))
     .detail(format!("law: {}", block.law.name()))
 }

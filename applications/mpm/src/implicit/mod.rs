@@ -320,10 +320,13 @@ impl Solver for Implicit {
                 increments_of_volume: of_volume,
                 accelerations: &accelerations,
                 time_step,
+                gamma: this.scene.settings.point_gamma,
+                least_function: this.scene.options.kratos_exact.then_some(f64::EPSILON),
             };
             update_points(points, &nodal)?;
+            let least = nodal.least_function;
             let velocities = this.inertia.as_ref().map_or(Vec::new(), |i| i.final_velocity(&increments));
-            move_conditions(&mut points.conditions, grid, &this.dofs, &increments, &velocities);
+            move_conditions(&mut points.conditions, grid, &this.dofs, [&increments, &velocities], least);
             write_nodal(grid, &this.dofs, &DISPLACEMENT, &increments);
             if this.output.velocity && this.dynamic() {
                 write_nodal(grid, &this.dofs, &VELOCITY, &velocities);

@@ -7,7 +7,7 @@ use crate::grid::{corners, nodal_vectors, with_shape};
 use crate::loads::Loads;
 use crate::points::MaterialPoints;
 use bia_kernel::error::{Error, Failure};
-use bia_kernel::geometry::{Hexahedron8, Quadrilateral4, Shape, Tetrahedron4, Triangle3};
+use bia_kernel::geometry::{Hexahedron8, Line2, Quadrilateral4, Shape, Tetrahedron4, Triangle3};
 use bia_kernel::model::ModelPart;
 use bia_kernel::solving::scheme::Coefficients;
 use bia_kernel::solving::{ActiveDofs, CellBuffer, NonlinearSystem, System};

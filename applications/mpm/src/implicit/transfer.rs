@@ -6,7 +6,7 @@ use crate::grid::{corners, nodal_vectors, with_shape};
 use crate::points::{Block, MaterialPoints, compress, law_failure};
 use bia_constitutive::{Deformation, Kinematics, Response, Want};
 use bia_kernel::error::Failure;
-use bia_kernel::geometry::{CellShape, Hexahedron8, Quadrilateral4, Shape, Tetrahedron4, Triangle3};
+use bia_kernel::geometry::{CellShape, Hexahedron8, Line2, Quadrilateral4, Shape, Tetrahedron4, Triangle3};
 use bia_kernel::model::{Cells, ModelPart};
 use bia_kernel::solving::ActiveDofs;
 use bia_kernel::solving::ordered::in_order;
@@ -118,6 +118,14 @@ pub struct NodalResults<'a> {
     pub accelerations: &'a [f64],
     /// Time step in seconds.
     pub time_step: f64,
+    /// Weight of the new acceleration in the points' velocity. 1/2 is Kratos's convention, by which
+    /// Bossak's low modes gain energy at the rate -alpha ω² dt; with the scheme's own gamma they
+    /// dissipate.
+    pub gamma: f64,
+    /// Shape functions up to this one are left out, as in Kratos; none to use them all. A point that
+    /// lies outside its cell by less than the search tolerance has negative ones: left out, they
+    /// would take momentum from the body.
+    pub least_function: Option<f64>,
 }
 
 /// What a point takes from the grid at the end of a step.
@@ -143,7 +151,7 @@ pub fn update_points(points: &mut MaterialPoints, nodal: &NodalResults) -> Resul
                 range.clone().into_par_iter().with_min_len(GRAIN).map(moved).collect::<Result<_, Failure>>()?;
             answer(block, &range, &updates, kinematics)?;
             for (update, point) in updates.iter().zip(range) {
-                store(block, point, update, nodal.time_step);
+                store(block, point, update, nodal);
             }
         }
     }
@@ -184,7 +192,7 @@ fn update_in<S: CellShape<D, N>, const D: usize, const N: usize>(
         update.volume_ratio = earlier.gradient.determinant();
     }
     let accelerations = nodal_vectors::<D, N>(nodal.dofs, nodes, nodal.accelerations);
-    for i in (0..N).filter(|&i| at.functions[i] > f64::EPSILON) {
+    for i in (0..N).filter(|&i| nodal.least_function.is_none_or(|least| at.functions[i] > least)) {
         for a in 0..D {
             update.step[a] += at.functions[i] * increments[i][a];
             update.acceleration[a] += at.functions[i] * accelerations[i][a];
@@ -208,20 +216,21 @@ fn answer(
     let mut responses = vec![Response::default(); updates.len()];
     let mut states = block.state.values()[range.start * length..range.end * length].to_vec();
     let law = block.law.as_ref();
-    let ask =
-        |(grain, (deformations, (responses, states))): (usize, (&[Deformation], (&mut [Response], &mut [f64])))| {
-            let asked = law.respond(deformations, states, responses, Want::Stress);
-            asked.map_err(|(k, error)| (grain * GRAIN + k, error))
-        };
-    let chunks = deformations.chunks(GRAIN).zip(responses.chunks_mut(GRAIN));
-    let mut rest = states.as_mut_slice();
     let mut tasks = Vec::new();
-    for (deformations, responses) in chunks {
+    let mut rest = states.as_mut_slice();
+    for (deformations, responses) in deformations.chunks(GRAIN).zip(responses.chunks_mut(GRAIN)) {
         let (of_chunk, after) = std::mem::take(&mut rest).split_at_mut(deformations.len() * length);
         rest = after;
-        tasks.push((deformations, (responses, of_chunk)));
+        tasks.push((deformations, responses, of_chunk));
     }
-    let answers: Vec<_> = tasks.into_par_iter().enumerate().map(ask).collect();
+    let answers: Vec<_> = tasks
+        .into_par_iter()
+        .enumerate()
+        .map(|(grain, (deformations, responses, states))| {
+            let asked = law.respond(deformations, states, responses, Want::Stress);
+            asked.map_err(|(k, error)| (grain * GRAIN + k, error))
+        })
+        .collect();
     if let Some((k, error)) = answers.into_iter().find_map(Result::err) {
         return Err(law_failure(block, range.start + k, &deformations[k].gradient, &error));
     }
@@ -241,9 +250,9 @@ fn answer(
     Ok(())
 }
 
-/// Writes a point's update. The velocity follows the trapezoidal rule whatever the scheme's
-/// coefficients are, as in Kratos (spec 03 §8).
-fn store(block: &mut Block, point: usize, update: &Update, time_step: f64) {
+/// Writes a point's update.
+fn store(block: &mut Block, point: usize, update: &Update, nodal: &NodalResults) {
+    let (time_step, gamma) = (nodal.time_step, nodal.gamma);
     compress(&update.deformation.gradient, block.gradient.row_mut(point));
     block.position.row_mut(point).iter_mut().zip(update.step).for_each(|(x, step)| *x += step);
     if block.displacement.is_used() {
@@ -252,7 +261,7 @@ fn store(block: &mut Block, point: usize, update: &Update, time_step: f64) {
     if block.velocity.is_used() {
         let old = block.acceleration.row_mut(point);
         for (i, (v, a)) in block.velocity.row_mut(point).iter_mut().zip(old).enumerate() {
-            *v += 0.5 * time_step * (update.acceleration[i] + *a);
+            *v += time_step * (gamma * update.acceleration[i] + (1.0 - gamma) * *a);
             *a = update.acceleration[i];
         }
     }

@@ -19,6 +19,8 @@ pub struct Columns {
     pub strain: bool,
     /// Current volume.
     pub volume: bool,
+    /// Body force per mass that differs from point to point.
+    pub body_acceleration: bool,
 }
 
 /// Points of one body with one material.
@@ -33,8 +35,10 @@ pub struct Block {
     pub law: Box<dyn Law>,
     /// Initial density in kg/m³.
     pub density: f64,
-    /// Body force per mass in m/s².
-    pub body_acceleration: [f64; 3],
+    /// Body force per mass in m/s² that all points share.
+    pub gravity: [f64; 3],
+    /// Body force per mass in m/s² of each point beside gravity, if used.
+    pub body_acceleration: Column,
     /// Ids, ascending.
     pub ids: Vec<u32>,
     /// Background cell of each point.
@@ -51,7 +55,8 @@ pub struct Block {
     pub acceleration: Column,
     /// Mass in kg.
     pub mass: Column,
-    /// Deformation gradient: the plane part row by row, then F33 if axisymmetric; or all nine.
+    /// Deformation gradient: F11 in one dimension, the plane part row by row, then F33 if
+    /// axisymmetric; or all nine.
     pub gradient: Column,
     /// History of the law.
     pub state: Column,
@@ -80,8 +85,8 @@ impl Block {
         expand(self.gradient.row(point))
     }
 
-    /// Position of a point with a third coordinate.
-    pub fn position_of(&self, point: usize) -> [f64; 3] {
+    /// Position of a point in m; the third coordinate is 0 in the plane.
+    pub fn coordinates(&self, point: usize) -> [f64; 3] {
         let row = self.position.row(point);
         std::array::from_fn(|i| row.get(i).copied().unwrap_or(0.0))
     }
@@ -91,8 +96,33 @@ impl Block {
         self.mass.row(point)[0] / self.density * self.deformation_gradient(point).determinant()
     }
 
+    /// Body force per mass of a point in m/s²: gravity and what functions add to it.
+    #[inline]
+    pub fn body_acceleration_of<const D: usize>(&self, point: usize) -> [f64; D] {
+        let mut sum = std::array::from_fn(|a| self.gravity[a]);
+        if self.body_acceleration.is_used() {
+            let own = self.body_acceleration.get::<D>(point);
+            (0..D).for_each(|a| sum[a] += own[a]);
+        }
+        sum
+    }
+
+    /// Lets a body at rest start with the acceleration of its body forces: let go without stress, it
+    /// accelerates so from the first instant.
+    pub fn start_with_body_acceleration(&mut self) {
+        if !self.acceleration.is_used() {
+            return;
+        }
+        for point in 0..self.len() {
+            let own = self.body_acceleration.row(point);
+            for (a, value) in self.acceleration.row_mut(point).iter_mut().enumerate() {
+                *value = self.gravity[a] + own.get(a).copied().unwrap_or(0.0);
+            }
+        }
+    }
+
     /// All columns with their names.
-    pub fn columns(&self) -> [(&'static str, &Column); 11] {
+    pub fn columns(&self) -> [(&'static str, &Column); 12] {
         [
             ("local coordinates", &self.local),
             ("position", &self.position),
@@ -105,10 +135,11 @@ impl Block {
             ("Cauchy stress", &self.stress),
             ("strain", &self.strain),
             ("volume", &self.volume),
+            ("body acceleration", &self.body_acceleration),
         ]
     }
 
-    fn columns_mut(&mut self) -> [&mut Column; 11] {
+    fn columns_mut(&mut self) -> [&mut Column; 12] {
         [
             &mut self.local,
             &mut self.position,
@@ -121,6 +152,7 @@ impl Block {
             &mut self.stress,
             &mut self.strain,
             &mut self.volume,
+            &mut self.body_acceleration,
         ]
     }
 
@@ -147,6 +179,7 @@ pub fn gradient_width(kinematics: Kinematics) -> usize {
         Kinematics::ThreeDimensional => 9,
         Kinematics::PlaneStrain | Kinematics::PlaneStress => 4,
         Kinematics::Axisymmetric => 5,
+        Kinematics::UniaxialStrain => 1,
     }
 }
 
@@ -154,6 +187,7 @@ pub fn gradient_width(kinematics: Kinematics) -> usize {
 #[inline]
 pub fn expand(row: &[f64]) -> Matrix3<f64> {
     match *row {
+        [a] => Matrix3::new(a, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0),
         [a, b, c, d] => Matrix3::new(a, b, 0.0, c, d, 0.0, 0.0, 0.0, 1.0),
         [a, b, c, d, e] => Matrix3::new(a, b, 0.0, c, d, 0.0, 0.0, 0.0, e),
         _ => Matrix3::from_row_slice(row),
@@ -165,6 +199,7 @@ pub fn expand(row: &[f64]) -> Matrix3<f64> {
 pub fn compress(gradient: &Matrix3<f64>, row: &mut [f64]) {
     let f = |i, j| gradient[(i, j)];
     match row {
+        [a] => *a = f(0, 0),
         [a, b, c, d] => (*a, *b, *c, *d) = (f(0, 0), f(0, 1), f(1, 0), f(1, 1)),
         [a, b, c, d, e] => (*a, *b, *c, *d, *e) = (f(0, 0), f(0, 1), f(1, 0), f(1, 1), f(2, 2)),
         _ => (0..9).for_each(|k| row[k] = f(k / 3, k % 3)),
@@ -174,9 +209,25 @@ pub fn compress(gradient: &Matrix3<f64>, row: &mut [f64]) {
 /// A law's refusal as a failure of the run.
 pub fn law_failure(block: &Block, point: usize, gradient: &Matrix3<f64>, error: &LawError) -> Failure {
     Failure::new(format!("the law {} has no answer: {error}", block.law.name()), "a smaller time step or smaller loads")
-        .at(format!("material point {}", block.ids[point]), block.position_of(point))
+        .at(format!("material point {}", block.ids[point]), block.coordinates(point))
         .detail(format!("deformation gradient: {:?}", gradient.transpose().as_slice()))
         .detail(format!("J = {:e}", gradient.determinant()))
+}
+
+/// One body or all of them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Selection {
+    /// All bodies.
+    All,
+    /// The body of this index.
+    Body(usize),
+}
+
+impl Selection {
+    /// Whether it holds a body.
+    pub fn holds(self, body: usize) -> bool {
+        self == Selection::All || self == Selection::Body(body)
+    }
 }
 
 /// All material points of a run; kept beside the model parts in the model.
@@ -215,9 +266,9 @@ impl MaterialPoints {
         self.len() == 0
     }
 
-    /// (block, point) of all points, of one body or of all, ascending by id.
-    pub fn by_id(&self, body: Option<usize>) -> Vec<(u32, u32)> {
-        let blocks = || self.blocks.iter().enumerate().filter(|(_, block)| body.is_none_or(|body| block.body == body));
+    /// (block, point) of the selected points, ascending by id.
+    pub fn by_id(&self, selection: Selection) -> Vec<(u32, u32)> {
+        let blocks = || self.blocks.iter().enumerate().filter(|(_, block)| selection.holds(block.body));
         let mut order: Vec<(u32, u32)> =
             blocks().flat_map(|(b, block)| (0..block.len() as u32).map(move |p| (b as u32, p))).collect();
         let id = |&(b, p): &(u32, u32)| self.blocks[b as usize].ids[p as usize];
@@ -227,22 +278,18 @@ impl MaterialPoints {
         order
     }
 
-    /// The body that a part path selects: `MPM_Material.Body`, `Initial_MPM_Material.Body`,
-    /// `Background_Grid.Body` or `Body` alone; none inside for all bodies.
-    ///
-    /// # Errors
-    /// There is no such body.
-    #[allow(clippy::option_option)]
-    pub fn select(&self, path: &str) -> Result<Option<usize>, ()> {
+    /// What a part path selects: `MPM_Material.Body`, `Initial_MPM_Material.Body`,
+    /// `Background_Grid.Body` or `Body` alone; a root alone selects all bodies.
+    pub fn select(&self, path: &str) -> Option<Selection> {
         let initial = format!("Initial_{}", self.name);
         let (root, below) = path.split_once('.').map_or((path, None), |(root, below)| (root, Some(below)));
         let is_root = root == self.name || root == initial || root == "Background_Grid";
         let name = match (is_root, below) {
-            (true, None) => return Ok(None),
+            (true, None) => return Some(Selection::All),
             (true, Some(below)) => below,
             (false, _) => path,
         };
-        self.bodies.iter().position(|body| body == name).map(Some).ok_or(())
+        self.bodies.iter().position(|body| body == name).map(Selection::Body)
     }
 }
 
@@ -253,6 +300,7 @@ mod tests {
     #[test]
     fn gradients_survive_storage() {
         for (width, f) in [
+            (1, Matrix3::new(1.2, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)),
             (4, Matrix3::new(1.1, 0.2, 0.0, -0.3, 0.9, 0.0, 0.0, 0.0, 1.0)),
             (5, Matrix3::new(1.1, 0.2, 0.0, -0.3, 0.9, 0.0, 0.0, 0.0, 1.4)),
             (9, Matrix3::new(1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 10.0)),

@@ -1,6 +1,6 @@
 //! The variables that material points and their conditions can show, and what each costs.
 
-use super::block::{Block, Columns, MaterialPoints};
+use super::block::{Block, Columns, MaterialPoints, Selection};
 use super::conditions::PointConditions;
 
 /// Variables of points with the columns they need.
@@ -10,6 +10,8 @@ const POINT_VARIABLES: &[(&str, Columns)] = &[
     ("MP_VELOCITY", Columns { motion: true, ..NONE }),
     ("MP_ACCELERATION", Columns { motion: true, ..NONE }),
     ("MP_VOLUME_ACCELERATION", NONE),
+    // Its functions may depend on the initial position, hence the displacement.
+    (BODY_ACCELERATION, Columns { body_acceleration: true, displacement: true, ..NONE }),
     ("MP_CAUCHY_STRESS_VECTOR", Columns { stress: true, ..NONE }),
     ("MP_ALMANSI_STRAIN_VECTOR", STRESS_AND_STRAIN),
     ("MP_MASS", NONE),
@@ -21,11 +23,22 @@ const POINT_VARIABLES: &[(&str, Columns)] = &[
     ("MP_STRAIN_ENERGY", ENERGY),
     ("MP_TOTAL_ENERGY", ENERGY),
 ];
-const NONE: Columns = Columns { displacement: false, motion: false, stress: false, strain: false, volume: false };
+/// Variable of the column that holds body accelerations given as functions.
+pub const BODY_ACCELERATION: &str = "MP_BODY_ACCELERATION";
+const NONE: Columns = Columns {
+    displacement: false,
+    motion: false,
+    stress: false,
+    strain: false,
+    volume: false,
+    body_acceleration: false,
+};
 /// The strain is written where the stress is.
 const STRESS_AND_STRAIN: Columns = Columns { stress: true, strain: true, ..NONE };
 /// What the energies need.
-pub const ENERGY: Columns = Columns { motion: true, stress: true, strain: true, volume: true, displacement: false };
+pub const ENERGY: Columns = Columns { motion: true, stress: true, strain: true, volume: true, ..NONE };
+/// What the account of a run shows.
+pub const RECORD: Columns = ENERGY.or(Columns { displacement: true, ..NONE });
 
 /// Variables of material-point conditions.
 pub const CONDITION_VARIABLES: &[&str] =
@@ -44,15 +57,22 @@ pub fn columns_of(variable: &str) -> Option<Columns> {
 impl Columns {
     /// The columns of both.
     #[must_use]
-    pub fn or(self, other: Columns) -> Columns {
+    pub const fn or(self, other: Columns) -> Columns {
         Columns {
             displacement: self.displacement || other.displacement,
             motion: self.motion || other.motion,
             stress: self.stress || other.stress,
             strain: self.strain || other.strain,
             volume: self.volume || other.volume,
+            body_acceleration: self.body_acceleration || other.body_acceleration,
         }
     }
+}
+
+/// Body force per mass with a zero third component in the plane, as Kratos shows it.
+fn body_acceleration(block: &Block, point: usize) -> [f64; 3] {
+    let own = block.body_acceleration.row(point);
+    std::array::from_fn(|a| block.gravity[a] + own.get(a).copied().unwrap_or(0.0))
 }
 
 /// The values of a variable at a point, appended to `out`; false if points do not have it.
@@ -63,7 +83,8 @@ pub fn append(block: &Block, point: usize, variable: &str, out: &mut Vec<f64>) -
         "MP_DISPLACEMENT" => vector(block.displacement.row(point)),
         "MP_VELOCITY" => vector(block.velocity.row(point)),
         "MP_ACCELERATION" => vector(block.acceleration.row(point)),
-        "MP_VOLUME_ACCELERATION" => vector(&block.body_acceleration),
+        "MP_VOLUME_ACCELERATION" => vector(&body_acceleration(block, point)),
+        BODY_ACCELERATION => vector(block.body_acceleration.row(point)),
         "MP_CAUCHY_STRESS_VECTOR" => out.extend(block.stress.row(point)),
         "MP_ALMANSI_STRAIN_VECTOR" => out.extend(block.strain.row(point)),
         "MP_MASS" => out.extend(block.mass.row(point)),
@@ -98,7 +119,7 @@ pub fn append_condition(conditions: &PointConditions, index: usize, variable: &s
 /// Energies in joules.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Energies {
-    /// Σ m |g| x, componentwise as in Kratos.
+    /// Σ m |g| x, componentwise as in Kratos; gravity alone has a potential.
     pub potential: f64,
     /// ½ m v².
     pub kinetic: f64,
@@ -121,16 +142,16 @@ pub fn energies(block: &Block, point: usize) -> Energies {
     let work: f64 = block.stress.row(point).iter().zip(block.strain.row(point)).map(|(s, e)| s * e).sum();
     let volume = if block.volume.is_used() { block.volume.row(point)[0] } else { 0.0 };
     Energies {
-        potential: position.iter().zip(block.body_acceleration).map(|(x, g)| mass * g.abs() * x).sum(),
+        potential: position.iter().zip(block.gravity).map(|(x, g)| mass * g.abs() * x).sum(),
         kinetic: 0.5 * mass * velocity.iter().map(|v| v * v).sum::<f64>(),
         strain: 0.5 * volume * work,
     }
 }
 
-/// Energies of all points, of one body or of all.
-pub fn total_energies(points: &MaterialPoints, body: Option<usize>) -> Energies {
+/// Energies of the selected points.
+pub fn total_energies(points: &MaterialPoints, selection: Selection) -> Energies {
     let mut sum = Energies::default();
-    for block in points.blocks.iter().filter(|block| body.is_none_or(|body| block.body == body)) {
+    for block in points.blocks.iter().filter(|block| selection.holds(block.body)) {
         for point in 0..block.len() {
             let of_point = energies(block, point);
             sum.potential += of_point.potential;

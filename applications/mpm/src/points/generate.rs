@@ -76,10 +76,7 @@ pub fn generate(plan: &Plan) -> Result<MaterialPoints, InputErrors> {
                     &mut points.blocks[last]
                 }
             };
-            match add_element(plan, block, element as usize, &mut next_id, &mut outside) {
-                Ok(()) => {}
-                Err(diagnostic) => return Err(diagnostic.into()),
-            }
+            add_element(plan, block, element as usize, &mut next_id, &mut outside)?;
         }
     }
     if let Some(diagnostic) = outside.diagnostic(plan) {
@@ -119,12 +116,13 @@ impl Outside {
     }
 }
 
-fn material_of<'a>(plan: &'a Plan, id: u32, element: u32) -> Result<&'a Material, Diagnostic> {
+fn material_of<'a>(plan: &'a Plan, id: u32, element: u32) -> Result<&'a Material, InputErrors> {
     plan.materials.iter().find(|m| m.properties.id == id).ok_or_else(|| {
         let element = plan.bodies.elements.ids[element as usize];
         let names: Vec<String> = plan.bodies.paths();
         Diagnostic::error(Default::default(), format!("body element {element} has no material"))
             .help(format!("give every part a material in the materials file; parts: {}", names.join(", ")))
+            .into()
     })
 }
 
@@ -134,8 +132,9 @@ fn new_block(plan: &Plan, body: usize, id: u32, element: u32) -> Result<Block, I
     let variables = material.parameters.child("Material").and_then(|m| m.child("Variables"));
     let place = variables.as_ref().map_or_else(|| material.parameters.place(), |v| v.place());
     let mut errors = InputErrors::default();
-    for name in ["DENSITY", "MATERIAL_POINTS_PER_ELEMENT", "THICKNESS"] {
-        let needed = name != "THICKNESS" || plan.kinematics != Kinematics::ThreeDimensional;
+    let across = across(plan.kinematics);
+    for name in ["DENSITY", "MATERIAL_POINTS_PER_ELEMENT", "THICKNESS", "CROSS_AREA"] {
+        let needed = !["THICKNESS", "CROSS_AREA"].contains(&name) || across == Some(name);
         match properties.number(name) {
             Some(number) if number > 0.0 => {}
             Some(number) => {
@@ -165,7 +164,8 @@ fn new_block(plan: &Plan, body: usize, id: u32, element: u32) -> Result<Block, I
             material: id,
             law_name: entry.map_or_else(String::new, |entry| entry.name.to_string()),
             density: density(properties),
-            body_acceleration: [0.0; 3],
+            gravity: [0.0; 3],
+            body_acceleration: Column::default(),
             ids: Vec::new(),
             cell: Vec::new(),
             local: Column::new(kinematics.dimension(), 0),
@@ -185,6 +185,15 @@ fn new_block(plan: &Plan, body: usize, id: u32, element: u32) -> Result<Block, I
     }
 }
 
+/// The material variable that gives the extent of a body across its mesh.
+fn across(kinematics: Kinematics) -> Option<&'static str> {
+    match kinematics {
+        Kinematics::ThreeDimensional => None,
+        Kinematics::UniaxialStrain => Some("CROSS_AREA"),
+        _ => Some("THICKNESS"),
+    }
+}
+
 fn density(properties: &Properties) -> f64 {
     properties.number("DENSITY").unwrap_or(f64::NAN)
 }
@@ -196,7 +205,7 @@ fn add_element(
     element: usize,
     next_id: &mut u32,
     outside: &mut Outside,
-) -> Result<(), Diagnostic> {
+) -> Result<(), InputErrors> {
     let elements = &plan.bodies.elements;
     let material = material_of(plan, block.material, element as u32)?;
     let shape = elements.shapes[element];
@@ -207,7 +216,8 @@ fn add_element(
             shape.name(),
             plan.kinematics
         );
-        return Err(Diagnostic::error(Default::default(), message).help("check domain_size and the element names"));
+        let diagnostic = Diagnostic::error(Default::default(), message);
+        return Err(diagnostic.help("check domain_size and the element names").into());
     }
     let wanted = material.properties.number("MATERIAL_POINTS_PER_ELEMENT").unwrap_or(0.0);
     let points = if wanted.fract() == 0.0 { rule(shape, wanted as usize).ok() } else { None };
@@ -216,7 +226,7 @@ fn add_element(
         let place = material.parameters.child("Material").and_then(|m| m.child("Variables"));
         let place = place.unwrap_or_else(|| material.parameters.clone());
         let message = format!("MATERIAL_POINTS_PER_ELEMENT is {wanted}, which a {} does not have", shape.name());
-        return Err(place.error(message).help(format!("allowed: {}", counts.join(", "))));
+        return Err(place.error(message).help(format!("allowed: {}", counts.join(", "))).into());
     };
     let mut corners = plan.bodies.corners(elements, element);
     if plan.kinematics.dimension() == 2 {
@@ -228,8 +238,8 @@ fn add_element(
         shape.functions(point.xi, &mut functions);
         let x: [f64; 3] = std::array::from_fn(|i| functions.iter().zip(&corners).map(|(n, c)| n * c[i]).sum());
         let mut volume = point.weight * shape.jacobian_determinant(&corners, point.xi);
-        if plan.kinematics != Kinematics::ThreeDimensional {
-            volume *= material.properties.number("THICKNESS").unwrap_or(1.0);
+        if let Some(across) = across(plan.kinematics) {
+            volume *= material.properties.number(across).unwrap_or(1.0);
         }
         if plan.kinematics == Kinematics::Axisymmetric {
             volume *= TAU * x[0];
@@ -261,6 +271,7 @@ fn finish(block: &mut Block, plan: &Plan) {
     block.stress = column(voigt, columns.stress);
     block.strain = column(voigt, columns.strain || block.law.uses_strain());
     block.volume = column(1, columns.volume);
+    block.body_acceleration = column(dimension, columns.body_acceleration);
     if columns.volume {
         for point in 0..count {
             block.volume.set(point, [block.mass.row(point)[0] / block.density]);

@@ -77,21 +77,21 @@ impl Process for AssignToPoints {
 
     fn execute_before_solution_loop(&mut self, context: &mut Context) -> Result<(), Error> {
         let Some(points) = context.model.extension_mut::<MaterialPoints>() else { return Ok(()) };
-        let Ok(body) = points.select(self.settings.text("model_part_name")) else { return Ok(()) };
-        for block in points.blocks.iter_mut().filter(|block| body.is_none_or(|body| block.body == body)) {
-            let column = match self.quantity {
-                Quantity::Velocity => &mut block.velocity,
-                Quantity::Gravity => {
-                    block.body_acceleration = self.vector;
-                    &mut block.acceleration
+        let Some(selection) = points.select(self.settings.text("model_part_name")) else { return Ok(()) };
+        for block in points.blocks.iter_mut().filter(|block| selection.holds(block.body)) {
+            match self.quantity {
+                Quantity::Velocity if block.velocity.is_used() => {
+                    for point in 0..block.ids.len() {
+                        block.velocity.row_mut(point).iter_mut().zip(self.vector).for_each(|(value, v)| *value = v);
+                    }
                 }
-            };
-            // A body at rest that is let go accelerates with gravity from the first instant. In
-            // statics there is no acceleration; Kratos sets it all the same.
-            let statics = self.quantity == Quantity::Gravity && context.clock.step == 0 && !points.dynamic;
-            if column.is_used() && (!statics || self.kratos_exact) {
-                for point in 0..block.ids.len() {
-                    column.row_mut(point).iter_mut().zip(self.vector).for_each(|(value, g)| *value = g);
+                Quantity::Velocity => {}
+                Quantity::Gravity => {
+                    block.gravity = self.vector;
+                    // In statics there is no acceleration; Kratos sets it all the same.
+                    if points.dynamic || self.kratos_exact {
+                        block.start_with_body_acceleration();
+                    }
                 }
             }
         }
@@ -101,7 +101,11 @@ impl Process for AssignToPoints {
 
 /// Checks that a process's part of points is a body, before the points exist.
 pub fn check_part(model: &Model, settings: &Settings) -> Result<(), InputErrors> {
-    let path = settings.text("model_part_name");
+    check_path(model, settings, settings.text("model_part_name"))
+}
+
+/// Checks that the path that the settings give selects a body, before the points exist.
+pub fn check_path(model: &Model, settings: &Settings, path: &str) -> Result<(), InputErrors> {
     let Some(initial) = model.parts().iter().find(|part| part.name.starts_with("Initial_")) else { return Ok(()) };
     let name = initial.name.trim_start_matches("Initial_");
     let (root, below) = path.split_once('.').map_or((path, None), |(root, below)| (root, Some(below)));

@@ -113,11 +113,12 @@ impl Energy {
 
     fn row(&mut self, context: &Context) -> Result<(), Error> {
         let Some(points) = context.model.extension::<MaterialPoints>() else { return Ok(()) };
-        let Ok(body) = points.select(self.settings.text("model_part_name")) else { return Ok(()) };
-        let energies = total_energies(points, body);
-        let numbers = [context.clock.time, energies.potential, energies.kinetic, energies.strain, energies.total()];
+        let Some(selection) = points.select(self.settings.text("model_part_name")) else { return Ok(()) };
+        let energies = total_energies(points, selection);
+        let numbers = [energies.potential, energies.kinetic, energies.strain, energies.total()];
         let row = numbers.map(|x| self.format.show(x)).join(" ");
-        self.write(&format!("{row}\n"))
+        // Kratos's format is for the energies; the time has all its digits.
+        self.write(&format!("{:?} {row}\n", context.clock.time))
     }
 }
 

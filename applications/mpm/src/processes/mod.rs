@@ -1,20 +1,20 @@
 //! Processes of the material point method.
 
 mod acceleration;
+mod body_acceleration;
 mod energy;
-//mod json_check;
-//mod json_output;
+mod json;
 mod neumann;
-//mod vtk;
+mod vtk;
 
 use bia_kernel::registry::Registry;
 
 /// Registers them.
 pub fn register(registry: &mut Registry) {
     acceleration::register(registry);
+    body_acceleration::register(registry);
     neumann::register(registry);
     energy::register(registry);
-    //json_output::register(registry);
-    //json_check::register(registry);
-    //vtk::register(registry);
+    json::register(registry);
+    vtk::register(registry);
 }

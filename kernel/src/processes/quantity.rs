@@ -1,0 +1,85 @@
+//! Lists of variables that an output or check process names.
+
+use super::{Location, Requirements, Wanted};
+use crate::diagnostic::InputErrors;
+use crate::io::history::Series;
+use crate::parameters::{Parameters, Settings};
+use crate::registry::Registry;
+use crate::variables::{Fields, Rank, Variable};
+
+/// A variable, or one component of a vector variable, that the input names.
+#[derive(Debug, Clone)]
+pub struct Quantity {
+    /// Name in the input and in files, such as `DISPLACEMENT` or `DISPLACEMENT_Y`.
+    pub name: String,
+    /// The variable.
+    pub variable: Variable,
+    /// The component, if only one is meant.
+    pub component: Option<usize>,
+    /// Where the input names it.
+    pub place: Parameters,
+}
+
+impl Quantity {
+    /// The quantities that the list `settings[key]` names.
+    ///
+    /// # Errors
+    /// Names that no variable has, each with the nearest one.
+    pub fn read_list(settings: &Settings, key: &str, registry: &Registry) -> Result<Vec<Self>, InputErrors> {
+        let mut errors = InputErrors::default();
+        let entries = settings.get(key).map_or(Vec::new(), Parameters::entries);
+        let list: Vec<Self> =
+            entries.into_iter().filter_map(|entry| errors.absorb(Self::read(entry, registry))).collect();
+        errors.or(list)
+    }
+
+    fn read(place: Parameters, registry: &Registry) -> Result<Self, InputErrors> {
+        let name = place.value().as_str().unwrap_or_default().to_string();
+        if let Some(variable) = registry.find_variable(&name) {
+            return Ok(Self { name, variable, component: None, place });
+        }
+        let component = ["_X", "_Y", "_Z"].iter().position(|suffix| name.ends_with(suffix));
+        let vector = component.and_then(|_| registry.find_variable(&name[..name.len() - 2]));
+        match vector {
+            Some(variable) if variable.rank == Rank::Vector => Ok(Self { name, variable, component, place }),
+            _ => Err(registry.unknown_variable(place.error(format!("the variable {name:?} is unknown")), &name)),
+        }
+    }
+
+    /// Declares that the quantities will be read at a location.
+    pub fn require(list: &[Self], location: Location, requirements: &mut Requirements) {
+        requirements.variables.extend(list.iter().map(|quantity| Wanted {
+            location,
+            variable: quantity.variable.name.into(),
+            place: quantity.place.clone(),
+        }));
+    }
+
+    /// The series of a history: vectors by component, tensors as lists of `tensor` numbers.
+    pub fn series(&self, tensor: usize) -> Vec<Series> {
+        let number = |name: String| Series { name, list: None };
+        match (self.variable.rank, self.component) {
+            (Rank::Vector, None) => ["X", "Y", "Z"].map(|axis| number(format!("{}_{axis}", self.name))).into(),
+            (Rank::Voigt, _) => vec![Series { name: self.name.clone(), list: Some(tensor) }],
+            _ => vec![number(self.name.clone())],
+        }
+    }
+
+    /// Numbers that the quantity has on a node (or condition).
+    pub fn width(&self) -> usize {
+        if self.variable.rank == Rank::Vector && self.component.is_none() { 3 } else { 1 }
+    }
+
+    /// Appends the value of a node (or condition); zero where the variable has no column.
+    pub fn append(&self, fields: &Fields, index: usize, out: &mut Vec<f64>) {
+        let components = match self.component {
+            Some(component) => component..component + 1,
+            None => 0..self.width(),
+        };
+        match (self.variable.rank, fields.vector(&self.variable), fields.scalar(&self.variable)) {
+            (Rank::Vector, Some(column), _) => out.extend_from_slice(&column[index][components]),
+            (Rank::Scalar, _, Some(column)) => out.push(column[index]),
+            _ => out.extend(components.map(|_| 0.0)),
+        }
+    }
+}

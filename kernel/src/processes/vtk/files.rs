@@ -1,0 +1,274 @@
+//! The folder, names and formats of a process's VTK files.
+
+use super::super::{Clock, RunOptions};
+use crate::diagnostic::InputErrors;
+use crate::error::Error;
+use crate::io::dataset::Dataset;
+use crate::io::pvd::PvdSeries;
+use crate::io::vtk_legacy::{Encoding, write_legacy};
+use crate::io::vtu::{VtuOptions, write_vtu};
+use crate::parameters::{Key, Kind, Range, Settings};
+use std::collections::BTreeMap;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Keys that all processes that write VTK files share; each adds its own `output_path`.
+pub const FILES: [Key; 14] = [
+    Key::new(
+        "file_format",
+        Kind::Choice(&["ascii", "binary", "vtu"]),
+        "\"binary\"",
+        "legacy VTK as text or binary, or compressed .vtu files with a .pvd series",
+    ),
+    Key::new("output_precision", Kind::Integer { min: 0 }, "7", "digits after the point in text files and labels"),
+    Key::new("single_precision", Kind::Bool, "false", "write .vtu files in single precision: half the size"),
+    Key::new("output_control_type", Kind::Choice(&["step", "time"]), "\"step\"", "what output_interval counts"),
+    Key::new(
+        "output_interval",
+        Kind::Number(Range::NOT_NEGATIVE),
+        "1.0",
+        "between outputs [steps or s]; 0: every step",
+    )
+    .or(&["output_frequency"]),
+    Key::new("output_sub_model_parts", Kind::Bool, "false", "write the parts directly below as files of their own too"),
+    Key::new("save_output_files_in_folder", Kind::Bool, "true", "false: the files go where the results go"),
+    Key::new("custom_name_prefix", Kind::Text, "\"\"", "put before the names of files"),
+    Key::new("custom_name_postfix", Kind::Text, "\"\"", "put after the names of files, before the label"),
+    Key::new("write_ids", Kind::Bool, "false", "write ids of nodes, cells and properties").or(&["write_properties_id"]),
+    Key::new(
+        "entity_type",
+        Kind::Choice(&["automatic", "element", "condition"]),
+        "\"automatic\"",
+        "cells that are shown: elements, conditions, or whichever there are",
+    ),
+    Key::new("condition_flags", Kind::List, "[]", "must be empty: conditions have no flags"),
+    Key::new("element_flags", Kind::List, "[]", "must be empty: elements have no flags"),
+    Key::optional("help", Kind::Any, "ignored"),
+];
+
+/// More digits are neither needed nor printed.
+const MOST_DIGITS: i64 = 30;
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Format {
+    Legacy(Encoding),
+    Vtu { single_precision: bool },
+}
+
+/// Writes files named `<name>_0_<step or time>` as a process's settings demand. (The 0 is the rank
+/// that Kratos puts there.)
+#[derive(Debug)]
+pub struct VtkFiles {
+    folder: PathBuf,
+    /// The folder belongs to the process, which empties it at the start.
+    own_folder: bool,
+    /// Folders that must not be emptied.
+    project: [PathBuf; 2],
+    format: Format,
+    prefix: String,
+    postfix: String,
+    by_time: bool,
+    precision: usize,
+    kratos_exact: bool,
+    series: BTreeMap<String, PvdSeries>,
+    written: Vec<PathBuf>,
+}
+
+impl VtkFiles {
+    /// From settings with the keys [`FILES`] and `output_path`.
+    ///
+    /// # Errors
+    /// Flags; more digits than any number has.
+    pub fn read(settings: &Settings, options: &RunOptions) -> Result<Self, InputErrors> {
+        super::refuse_lists(settings, &["condition_flags", "element_flags"])?;
+        let digits = settings.integer("output_precision");
+        if digits > MOST_DIGITS {
+            return Err(settings.error("output_precision", format!("must be at most {MOST_DIGITS}")).into());
+        }
+        let precision = digits as usize;
+        let own_folder = settings.flag("save_output_files_in_folder");
+        let below = if own_folder { settings.text("output_path") } else { "" };
+        Ok(Self {
+            folder: options.output.join(below),
+            own_folder,
+            project: [options.folder.clone(), options.output.clone()],
+            format: match settings.text("file_format") {
+                "ascii" => Format::Legacy(Encoding::Ascii { precision }),
+                "vtu" => Format::Vtu { single_precision: settings.flag("single_precision") },
+                _ => Format::Legacy(Encoding::Binary),
+            },
+            prefix: settings.text("custom_name_prefix").into(),
+            postfix: settings.text("custom_name_postfix").into(),
+            by_time: settings.text("output_control_type") == "time",
+            precision,
+            kratos_exact: options.kratos_exact,
+            series: BTreeMap::new(),
+            written: Vec::new(),
+        })
+    }
+
+    /// Whether the files are of the XML format, in which ParaView expects points' values on points.
+    pub fn is_vtu(&self) -> bool {
+        matches!(self.format, Format::Vtu { .. })
+    }
+
+    /// A name with the prefix and postfix of the settings.
+    pub fn name(&self, part: &str) -> String {
+        format!("{}{part}{}", self.prefix, self.postfix)
+    }
+
+    /// Files written so far.
+    pub fn written(&self) -> &[PathBuf] {
+        &self.written
+    }
+
+    /// Checks that the folder may be emptied at the start; changes nothing.
+    ///
+    /// # Errors
+    /// It is the project's own folder or the root, is no folder, or holds what no VTK output wrote.
+    pub fn check_folder(&self, settings: &Settings) -> Result<(), InputErrors> {
+        if !self.own_folder {
+            return Ok(());
+        }
+        let refuse = |why: String| {
+            let diagnostic = settings.error("output_path", why);
+            let help = "the folder is emptied when the run starts: name a new one, or one with VTK files only";
+            Err(diagnostic.help(help).into())
+        };
+        let shown = self.folder.display();
+        if self.project.iter().any(|project| same_folder(project, &self.folder)) {
+            return refuse(format!("{shown:?} is the folder of the project or of all results"));
+        }
+        if !self.folder.exists() {
+            return Ok(());
+        }
+        match foreign_entries(&self.folder) {
+            Ok(names) if names.is_empty() => Ok(()),
+            Ok(names) => {
+                let more = if names.len() > 5 { ", …" } else { "" };
+                let listed = names.iter().take(5).map(String::as_str).collect::<Vec<_>>().join(", ");
+                refuse(format!("{shown:?} holds other things than VTK files: {listed}{more}"))
+            }
+            Err(error) => refuse(format!("{shown:?} cannot be listed: {error}")),
+        }
+    }
+
+    /// Makes the folder, without VTK files of earlier runs.
+    ///
+    /// # Errors
+    /// Those of the file system.
+    pub fn prepare(&self) -> Result<(), Error> {
+        let work = || -> io::Result<()> {
+            fs::create_dir_all(&self.folder)?;
+            if self.own_folder {
+                for entry in fs::read_dir(&self.folder)? {
+                    let entry = entry?;
+                    if is_ours(&entry) {
+                        fs::remove_file(entry.path())?;
+                    }
+                }
+            }
+            Ok(())
+        };
+        work().map_err(|source| Error::Write { path: self.folder.clone(), source })
+    }
+
+    /// Step or time as it stands in the names of files.
+    fn label(&self, clock: &Clock) -> String {
+        if self.by_time { format!("{:.*}", self.precision, clock.time) } else { clock.step.to_string() }
+    }
+
+    /// Writes a file, and adds it to the series of this name if it is one of a series.
+    ///
+    /// # Errors
+    /// Those of the file system.
+    pub fn write(&mut self, name: &str, clock: &Clock, data: &Dataset, of_series: bool) -> Result<(), Error> {
+        let extension = if self.is_vtu() { "vtu" } else { "vtk" };
+        let file = format!("{name}_0_{}.{extension}", self.label(clock));
+        self.write_as(name, &file, clock, data, of_series)
+    }
+
+    /// Writes what does not change, such as the mesh under the points, labelled as step 0.
+    ///
+    /// # Errors
+    /// Those of the file system.
+    pub fn write_once(&mut self, name: &str, clock: &Clock, data: &Dataset) -> Result<(), Error> {
+        let extension = if self.is_vtu() { "vtu" } else { "vtk" };
+        self.write_as(name, &format!("{name}_0_{}.{extension}", clock.step), clock, data, false)
+    }
+
+    fn write_as(
+        &mut self,
+        name: &str,
+        file: &str,
+        clock: &Clock,
+        data: &Dataset,
+        of_series: bool,
+    ) -> Result<(), Error> {
+        let path = self.folder.join(file);
+        let result = match self.format {
+            // Kratos rounds to single precision before it prints digits.
+            Format::Legacy(encoding) if self.kratos_exact => {
+                write_legacy(&path, &data.clone().in_single_precision(), encoding)
+            }
+            Format::Legacy(encoding) => write_legacy(&path, data, encoding),
+            Format::Vtu { single_precision } => {
+                write_vtu(&path, data, Some(clock.time), &VtuOptions { single_precision, ..VtuOptions::default() })
+            }
+        };
+        result.map_err(|source| Error::Write { path: path.clone(), source })?;
+        self.written.push(path);
+        if of_series && self.is_vtu() {
+            let path = self.folder.join(format!("{name}.pvd"));
+            self.append(name, &path, clock.time, file).map_err(|source| Error::Write { path, source })?;
+        }
+        Ok(())
+    }
+
+    fn append(&mut self, name: &str, path: &Path, time: f64, file: &str) -> io::Result<()> {
+        if !self.series.contains_key(name) {
+            self.series.insert(name.into(), PvdSeries::create(path)?);
+            self.written.push(path.into());
+        }
+        match self.series.get_mut(name) {
+            Some(series) => series.append(time, Path::new(file), None),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Whether two paths lead to one folder; an empty path is the working folder.
+fn same_folder(a: &Path, b: &Path) -> bool {
+    let real = |path: &Path| {
+        let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
+        path.canonicalize().ok()
+    };
+    real(a).is_some_and(|a| real(b) == Some(a))
+}
+
+/// Names of what the folder holds beside VTK files.
+fn foreign_entries(folder: &Path) -> io::Result<Vec<String>> {
+    let mut names = Vec::new();
+    for entry in fs::read_dir(folder)? {
+        let entry = entry?;
+        if !is_ours(&entry) {
+            names.push(entry.file_name().to_string_lossy().into_owned());
+        }
+    }
+    names.sort();
+    Ok(names)
+}
+
+/// VTK files, and the hidden unfinished ones that a killed run leaves.
+fn is_ours(entry: &fs::DirEntry) -> bool {
+    let name = entry.file_name().to_string_lossy().into_owned();
+    let unfinished = name.starts_with('.') && name.ends_with(".tmp");
+    let extension = Path::new(&name).extension().and_then(|extension| extension.to_str());
+    let known = matches!(extension, Some("vtk" | "vtu" | "pvd" | "series"));
+    (known || unfinished) && entry.file_type().is_ok_and(|kind| kind.is_file())
+}
+
+#[cfg(test)]
+#[path = "files_tests.rs"]
+mod tests;

@@ -1,0 +1,13 @@
+//! The implicit material point method against exact solutions, conservation laws and orders of
+//! convergence. Each file names its sources.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod conservation;
+mod free_fall;
+mod manufactured;
+mod modes;
+mod patch;
+mod reactions;
+mod vibrating_bar;
