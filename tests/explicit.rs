@@ -132,13 +132,13 @@ fn energy_drifts_little() {
         let record = scene.run(&["--record-states", "10"]);
         let total = |state: common::State| state.energy("kinetic") + state.energy("strain");
         let kept = total(record.last()) / total(record.first());
-        println!("{scheme:?} keeps {kept}");
         assert!(lowest < kept && kept < highest, "{scheme:?} keeps {kept} of the energy");
     }
 }
 
-/// Measured, with room of a factor two in the change.
-const ENERGY_KEPT: [[f64; 2]; 4] = [[0.9, 1.1]; 4];
+/// Measured: 1.0017, 0.962, 0.9986, 1.00009. Bounds let twice that change pass, with its sign where it
+/// is known: stress first gains, stress last loses energy (Bardenhagen 2002).
+const ENERGY_KEPT: [[f64; 2]; 4] = [[1.0, 1.0035], [0.92, 1.0], [0.997, 1.0], [0.9998, 1.0002]];
 
 #[test]
 fn results_have_the_same_bits_for_any_number_of_threads() {
