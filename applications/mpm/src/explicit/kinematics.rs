@@ -119,13 +119,13 @@ pub fn jacobian(row: &[f64]) -> f64 {
 mod tests {
     use super::*;
     use bia_constitutive::tensor::strain_to_voigt;
-    use nalgebra::{Rotation3, Vector3};
+    use nalgebra::{Rotation3, Unit, Vector3};
 
     const PHYSICS: KratosFaults = KratosFaults(false);
 
     #[test]
     fn a_large_rotation_turns_strain_and_deformation_and_changes_neither() {
-        let turn = *Rotation3::from_axis_angle(&Vector3::new_normalize(Vector3::new(1.0, -2.0, 0.5)), 0.9).matrix();
+        let turn = *Rotation3::from_axis_angle(&Unit::new_normalize(Vector3::new(1.0, -2.0, 0.5)), 0.9).matrix();
         let time_step = 0.1;
         let rate = (turn - Matrix3::identity()) / time_step;
         let before = Matrix3::new(0.02, 0.01, -0.03, 0.01, -0.05, 0.004, -0.03, 0.004, 0.01);
