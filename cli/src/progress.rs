@@ -1,5 +1,6 @@
 //! Progress: a bar on a terminal, plain lines in a log.
 
+use crate::report;
 use bia_kernel::analysis::Observer;
 use bia_kernel::processes::Clock;
 use bia_kernel::solving::StepReport;
@@ -73,7 +74,7 @@ impl Observer for Progress {
                         format!("  left {:.0} s", n.saturating_sub(clock.step) as f64 / rate)
                     });
                     let of = planned.map_or(String::new(), |n| format!("/{n}"));
-                    eprintln!("step {}{of}  {text}  {rate:.1} steps/s{left}", clock.step);
+                    report::complain!("step {}{of}  {text}  {rate:.1} steps/s{left}", clock.step);
                 }
             }
         }

@@ -9,6 +9,7 @@ use bia_kernel::parameters::Document;
 use bia_kernel::processes::RunOptions;
 use bia_kernel::registry::Registry;
 use clap::Args;
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -19,7 +20,7 @@ pub struct RunArguments {
     project: ProjectArguments,
     /// Threads; results have the same bits for any number (default: all cores)
     #[arg(long, value_name = "N")]
-    threads: Option<usize>,
+    threads: Option<NonZeroUsize>,
     /// Folder for results (default: the project's folder)
     #[arg(long, value_name = "DIR")]
     output: Option<PathBuf>,
@@ -30,19 +31,20 @@ pub struct RunArguments {
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
     /// States in the account beside the first
-    #[arg(long, value_name = "N", default_value_t = 5)]
-    record_states: usize,
+    #[arg(long, value_name = "N", default_value = "5")]
+    record_states: NonZeroUsize,
 }
 
 /// Runs a project.
 pub fn run(arguments: &RunArguments, registry: &Registry) -> ExitCode {
     report::start_log(arguments.quiet);
-    let threads = arguments.threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
-    if let Err(error) = rayon::ThreadPoolBuilder::new().num_threads(threads.max(1)).build_global() {
-        eprintln!("error: {threads} threads cannot be started: {error}");
+    let threads = arguments.threads.or_else(|| std::thread::available_parallelism().ok()).map_or(1, usize::from);
+    if let Err(error) = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global() {
+        report::complain!("error: {threads} threads cannot be started: {error}");
         return ExitCode::from(2);
     }
-    let record = arguments.record.clone().map(|path| RecordPlan { path, states: arguments.record_states, threads });
+    let record =
+        arguments.record.clone().map(|path| RecordPlan { path, states: arguments.record_states.get(), threads });
     let prepared = prepare(&arguments.project, arguments.output.as_deref(), registry, record.is_some());
     let mut analysis = match prepared {
         Ok(analysis) => analysis,
@@ -73,9 +75,9 @@ pub fn check(arguments: &ProjectArguments, registry: &Registry) -> ExitCode {
         Ok(mut analysis) => {
             report::head(&arguments.file, &analysis.inventory(), 0);
             if let Some(steps) = analysis.planned_steps() {
-                println!("  {:24} {steps}", "steps");
+                report::say!("  {:24} {steps}", "steps");
             }
-            println!("The input is right.");
+            report::say!("The input is right.");
             ExitCode::SUCCESS
         }
         Err(errors) => report::input(&errors),

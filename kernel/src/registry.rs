@@ -1,7 +1,7 @@
 //! The registry: every component an input file can name. Applications add theirs explicitly, one
 //! line each; nothing registers itself.
 
-use crate::diagnostic::{Diagnostic, InputErrors};
+use crate::diagnostic::{Diagnostic, InputErrors, nearest};
 use crate::geometry::Shape;
 use crate::io::mdpa::{Category, CellNames};
 use crate::model::Model;
@@ -220,6 +220,7 @@ impl Registry {
         project: &Parameters,
         options: &RunOptions,
     ) -> Result<Box<dyn Process>, InputErrors> {
+        check_block(block)?;
         let name = block.text("python_module")?;
         let last = name.rsplit('.').next().unwrap_or(&name);
         let Some(entry) = self.processes.iter().find(|e| e.name == last || e.aliases.contains(&last)) else {
@@ -266,13 +267,17 @@ impl Registry {
     /// An unknown type, or faults of the settings.
     pub fn build_solver(&self, settings: &Parameters, options: &RunOptions) -> Result<Box<dyn Solver>, InputErrors> {
         let plain = |text: &str| text.to_lowercase().replace(['-', ' '], "_");
+        let names = || self.solvers.iter().flat_map(|e| e.types.iter().copied());
+        if settings.value().is_object() && settings.child("solver_type").is_none() {
+            let list = names().collect::<Vec<_>>().join(", ");
+            return Err(settings.error("\"solver_type\" is missing").help(format!("allowed: {list}")).into());
+        }
         let name = settings.text("solver_type")?;
         match self.solvers.iter().find(|e| e.types.iter().any(|t| plain(t) == plain(&name))) {
             Some(entry) => (entry.build)(settings, self, options),
             None => {
                 let place = settings.child("solver_type").unwrap_or_else(|| settings.clone());
-                let names = self.solvers.iter().flat_map(|e| e.types.iter().copied());
-                Err(place.error(format!("there is no solver type {name:?}")).allowed(&name, names).into())
+                Err(place.error(format!("there is no solver type {name:?}")).allowed(&name, names()).into())
             }
         }
     }
@@ -286,6 +291,29 @@ impl CellNames for Registry {
     fn names(&self, category: Category) -> Vec<String> {
         self.cells.iter().filter(|(c, _, _)| *c == category).map(|(_, name, _)| (*name).to_string()).collect()
     }
+}
+
+/// Members of a block of a process.
+const BLOCK: &[&str] = &[
+    "python_module",
+    "kratos_module",
+    "Parameters",
+    "process_name",
+    "help",
+    "check",
+    "implemented_in_file",
+    "implemented_in_module",
+];
+
+/// Refuses members of a block that look like a slip of a known one.
+fn check_block(block: &Parameters) -> Result<(), InputErrors> {
+    let mut errors = InputErrors::default();
+    for (name, value) in block.members() {
+        if !BLOCK.contains(&name.as_str()) && nearest(&name, BLOCK.iter().copied()).is_some() {
+            errors.push(value.error(format!("the key {name:?} is unknown")).allowed(&name, BLOCK.iter().copied()));
+        }
+    }
+    errors.or(())
 }
 
 fn rank_name(rank: Rank) -> &'static str {

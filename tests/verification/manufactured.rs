@@ -77,7 +77,6 @@ fn static_displacement_converges_with_second_order() {
             let record = run(cell, points, cells, force, json!([0, 0, 0]), json!({}), 1.0);
             error(&record, amplitude)
         });
-        println!("{cell:?}: errors {errors:?}, orders {:?}", orders(&errors));
         assert!(errors[2] < 7e-3, "{cell:?}: errors {errors:?}");
         assert!(orders(&errors).iter().all(|order| *order > 1.8), "{cell:?}: errors {errors:?}");
     }
@@ -104,7 +103,6 @@ fn dynamic(cell: Cell, points: usize, cells: usize) -> f64 {
 fn dynamic_displacement_converges_with_second_order_in_space() {
     for (cell, points) in [(Cell::Quadrilateral, 4), (Cell::Quadrilateral, 9), (Cell::Triangle, 3)] {
         let errors = [8, 16, 32].map(|cells| dynamic(cell, points, cells));
-        println!("{cell:?} {points}: errors {errors:?}, orders {:?}", orders(&errors));
         assert!(errors[2] < 1e-2, "{cell:?}: errors {errors:?}");
         assert!(orders(&errors).iter().all(|order| *order > 1.8), "{cell:?}, {points} points: errors {errors:?}");
     }

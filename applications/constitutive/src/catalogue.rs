@@ -83,6 +83,37 @@ pub struct DuplicateLaw(
     pub &'static str,
 );
 
+/// Laws of Kratos's MPMApplication 10.4; those that a catalogue holds are found there first.
+const KNOWN_TO_KRATOS: &[&str] = &[
+    "HyperElasticNeoHookeanUP3DLaw",
+    "HyperElasticNeoHookeanPlaneStrainUP2DLaw",
+    "DispNewtonianFluid3DLaw",
+    "DispNewtonianFluidPlaneStrain2DLaw",
+    "HenckyMCPlastic3DLaw",
+    "HenckyMCPlasticPlaneStrain2DLaw",
+    "HenckyMCPlasticAxisym2DLaw",
+    "HenckyMCPlasticUP3DLaw",
+    "HenckyMCPlasticPlaneStrainUP2DLaw",
+    "HenckyMCStrainSofteningPlastic3DLaw",
+    "HenckyMCStrainSofteningPlasticPlaneStrain2DLaw",
+    "HenckyMCStrainSofteningPlasticAxisym2DLaw",
+    "HenckyBorjaCamClayPlastic3DLaw",
+    "HenckyBorjaCamClayPlasticPlaneStrain2DLaw",
+    "HenckyBorjaCamClayPlasticAxisym2DLaw",
+    "JohnsonCookThermalPlastic3DLaw",
+    "JohnsonCookThermalPlastic2DPlaneStrainLaw",
+    "JohnsonCookThermalPlastic2DAxisymLaw",
+];
+
+/// Where a material's law and its values stand.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct MaterialPlaces {
+    /// The name of the law.
+    pub law: Place,
+    /// The object of constants.
+    pub values: Place,
+}
+
 /// The laws that a run may name, in the order of their registration.
 #[derive(Debug, Clone, Default)]
 pub struct Catalogue {
@@ -124,8 +155,7 @@ impl Catalogue {
         self.entries.iter().find(|entry| entry.names().any(|other| other == last))
     }
 
-    /// The law that `properties` names, for elements of `kinematics`; `place` is that of the
-    /// material's values.
+    /// The law that `properties` names, for elements of `kinematics`.
     ///
     /// # Errors
     /// No law is named, the name is unknown or belongs to other kinematics, or constants are at
@@ -135,16 +165,16 @@ impl Catalogue {
         properties: &Properties,
         kinematics: Kinematics,
         options: &Options,
-        place: &Place,
+        places: &MaterialPlaces,
     ) -> Result<Box<dyn Law>, InputErrors> {
-        let entry = self.entry_of(properties, kinematics, place)?;
+        let entry = self.entry_of(properties, kinematics, &places.law)?;
         let mut errors = InputErrors::default();
         if !entry.kinematics.contains(&kinematics) {
-            errors.push(self.wrong_kinematics(entry, kinematics, place));
+            errors.push(self.wrong_kinematics(entry, kinematics, &places.law));
         }
         let build = entry.explicit.filter(|_| options.explicit).unwrap_or(entry.build);
         let built = build(properties, options)
-            .map_err(|faults| InputErrors(faults.iter().map(|fault| fault.diagnostic(place)).collect()));
+            .map_err(|faults| InputErrors(faults.iter().map(|fault| fault.diagnostic(&places.values)).collect()));
         match errors.absorb(built) {
             Some(law) if !errors.any_error() => Ok(law),
             _ => Err(errors),
@@ -165,6 +195,11 @@ impl Catalogue {
                 .into());
         };
         self.find(name).ok_or_else(|| {
+            if KNOWN_TO_KRATOS.contains(&last_part(name)) {
+                let message = format!("the constitutive law {name:?} is known to Kratos, but not in this build");
+                let help = format!("laws for {kinematics}: {}", self.names_for(kinematics).join(", "));
+                return Diagnostic::error(place.clone(), message).help(help).into();
+            }
             let message = format!("unknown constitutive law {name:?}");
             let names = self.entries.iter().flat_map(LawEntry::names);
             Diagnostic::error(place.clone(), message).allowed(last_part(name), names).into()
@@ -215,7 +250,7 @@ mod tests {
 
     fn build(properties: &Properties, kinematics: Kinematics) -> Result<Box<dyn Law>, String> {
         catalogue()
-            .build(properties, kinematics, &Options::default(), &Place::default())
+            .build(properties, kinematics, &Options::default(), &MaterialPlaces::default())
             .map_err(|errors| errors.to_string())
     }
 
@@ -261,6 +296,14 @@ mod tests {
         let error = build(&nameless, Kinematics::Axisymmetric).err().unwrap();
         assert!(error.contains("id 7") && error.contains("HyperElasticNeoHookeanAxisym2DLaw"), "{error}");
         assert!(!error.contains("3DLaw"), "{error}");
+    }
+
+    #[test]
+    fn laws_of_kratos_that_are_not_here_are_told_apart_from_slips() {
+        for name in KNOWN_TO_KRATOS.iter().filter(|name| catalogue().find(name).is_none()) {
+            let error = build(&rubber(&format!("MPMApplication.{name}")), Kinematics::PlaneStrain).err().unwrap();
+            assert!(error.contains("known to Kratos") && error.contains("laws for plane strain"), "{error}");
+        }
     }
 
     #[test]

@@ -21,7 +21,7 @@ mod plane_stress;
 pub mod tensor;
 pub mod verify;
 
-pub use catalogue::{Build, Catalogue, DuplicateLaw, LawEntry, catalogue};
+pub use catalogue::{Build, Catalogue, DuplicateLaw, LawEntry, MaterialPlaces, catalogue};
 pub use error::LawError;
 pub use hypoelastic::Hypoelastic;
 pub use kinematics::Kinematics;

@@ -1,10 +1,9 @@
 //! A crate outside adds a law of its own in one line.
 
 use bia_constitutive::{
-    Catalogue, ConstitutiveLaw, DENSITY, Deformation, Fault, Kinematics, LawEntry, LawError, Material,
+    Catalogue, ConstitutiveLaw, DENSITY, Deformation, Fault, Kinematics, LawEntry, LawError, Material, MaterialPlaces,
     MaterialVariable, Options, Range, Tangent, Voigt, catalogue, tensor,
 };
-use bia_kernel::diagnostic::Place;
 use bia_kernel::model::{Properties, Value};
 
 const BULK_MODULUS: MaterialVariable =
@@ -54,7 +53,8 @@ fn an_outside_law_is_registered_found_built_and_verified() {
     let mut material = Properties { law: Some("my_laws.ElasticFluid3D".into()), ..Default::default() };
     let options = Options::default();
     let build = |material: &Properties| {
-        laws.build(material, Kinematics::ThreeDimensional, &options, &Place::default()).map_err(|e| e.to_string())
+        laws.build(material, Kinematics::ThreeDimensional, &options, &MaterialPlaces::default())
+            .map_err(|e| e.to_string())
     };
     let error = build(&material).err().unwrap();
     assert!(error.contains("DENSITY is missing") && error.contains("BULK_MODULUS is missing"), "{error}");

@@ -1,6 +1,7 @@
 //! The part of the grid that holds points: cells with their points, nodes with their dofs.
 
 use crate::points::{Block, MaterialPoints};
+use bia_kernel::error::Failure;
 use bia_kernel::geometry::CellLocator;
 use bia_kernel::model::Cells;
 use bia_kernel::solving::ActiveDofs;
@@ -62,8 +63,14 @@ impl ActiveCells {
 
 /// Finds the cell of every point, starting from its last one, and erases points that left the
 /// grid (or keeps them without a cell). Returns how many were erased.
-pub fn search(points: &mut MaterialPoints, locator: &CellLocator, erase: bool) -> usize {
+///
+/// # Errors
+/// No point is left: then none is erased, so that the state can be saved.
+pub fn search(points: &mut MaterialPoints, locator: &CellLocator, erase: bool) -> Result<usize, Failure> {
     let dimension = points.dimension();
+    if let Some(failure) = all_outside(points, locator) {
+        return Err(failure);
+    }
     let mut lost = 0;
     for block in &mut points.blocks {
         let position = &block.position;
@@ -99,7 +106,30 @@ pub fn search(points: &mut MaterialPoints, locator: &CellLocator, erase: bool) -
         }
     }
     points.lost += lost;
-    lost
+    Ok(lost)
+}
+
+/// The failure of points none of which is in the grid. Ends at the first that is, so it costs
+/// nothing in a sound run.
+fn all_outside(points: &MaterialPoints, locator: &CellLocator) -> Option<Failure> {
+    let mut first = None;
+    for block in &points.blocks {
+        for point in 0..block.len() {
+            let x = block.coordinates(point);
+            if block.cell[point] != NO_CELL && locator.locate(x, Some(block.cell[point])).is_some() {
+                return None;
+            }
+            first.get_or_insert((block.ids[point], x));
+        }
+    }
+    let failure = Failure::new(
+        "all material points have left the grid",
+        "a larger grid, walls that hold the bodies, or a smaller time step",
+    );
+    Some(match first {
+        Some((id, x)) => failure.at(format!("material point {id}"), x),
+        None => failure,
+    })
 }
 
 /// The dofs of the nodes of the active cells.

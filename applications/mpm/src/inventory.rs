@@ -10,6 +10,7 @@ use bia_kernel::io::dataset::{CellsOf, Dataset, Field, FieldData};
 use bia_kernel::io::vtu::{VtuOptions, write_vtu};
 use bia_kernel::model::Model;
 use bia_kernel::solving::solver::Inventory;
+use bia_kernel::variables::Column;
 use std::path::{Path, PathBuf};
 
 impl Scene {
@@ -50,7 +51,7 @@ impl Scene {
 
     /// Legal but suspicious facts.
     fn warnings(&self, points: &MaterialPoints, model: &Model) -> Vec<String> {
-        let mut warnings = Vec::new();
+        let mut warnings = body_warnings(model, points);
         for material in &self.materials {
             if let Some(ratio) = material.properties.number("POISSON_RATIO").filter(|ratio| *ratio > 0.45) {
                 let id = material.properties.id;
@@ -66,6 +67,34 @@ impl Scene {
         }
         warnings
     }
+}
+
+/// Elements of the bodies that make no points, or make them twice; names that promise another
+/// formulation than the scene's.
+fn body_warnings(model: &Model, points: &MaterialPoints) -> Vec<String> {
+    let Some(bodies) = model.part(&format!("Initial_{}", points.name)) else { return Vec::new() };
+    let mut owners = vec![0u32; bodies.elements.len()];
+    for &element in bodies.children.iter().flat_map(|child| &child.elements) {
+        owners[element as usize] += 1;
+    }
+    let mut warnings = Vec::new();
+    let mut tell = |count: usize, text: &str| match count {
+        0 => {}
+        1 => warnings.push(format!("1 element of the bodies belongs to {text}")),
+        _ => warnings.push(format!("{count} elements of the bodies belong to {text}")),
+    };
+    let count = |wanted: fn(u32) -> bool| owners.iter().filter(|owners| wanted(**owners)).count();
+    tell(count(|owners| owners == 0), "no sub model part and makes no material points");
+    tell(count(|owners| owners > 1), "several sub model parts of the first level and makes material points in each");
+    let axisymmetric = points.kinematics == bia_constitutive::Kinematics::Axisymmetric;
+    for name in bodies.elements.names.iter().filter(|name| name.starts_with("MPM")) {
+        if name.contains("Axisymmetry") && !axisymmetric {
+            warnings.push(format!("{name} is computed as {}: set axis_symmetric_flag to true", points.kinematics));
+        } else if name.contains("UP") {
+            warnings.push(format!("{name} is computed without pressure dofs, as pressure_dofs is false"));
+        }
+    }
+    warnings
 }
 
 fn volume_of(block: &Block) -> f64 {
@@ -133,10 +162,11 @@ pub fn save_state(model: &Model, folder: &Path) -> Result<Vec<PathBuf>, Error> {
     let jacobians =
         order.iter().map(|&(b, p)| points.blocks[b as usize].deformation_gradient(p as usize).determinant());
     data.point_fields.push(Field { name: "J".into(), components: 1, values: FieldData::F64(jacobians.collect()) });
+    let used = |column: fn(&Block) -> &Column| points.blocks.iter().all(|block| column(block).is_used());
     for (variable, used) in [
-        ("MP_DISPLACEMENT", points.blocks[0].displacement.is_used()),
-        ("MP_VELOCITY", points.blocks[0].velocity.is_used()),
-        ("MP_CAUCHY_STRESS_VECTOR", points.blocks[0].stress.is_used()),
+        ("MP_DISPLACEMENT", used(|block| &block.displacement)),
+        ("MP_VELOCITY", used(|block| &block.velocity)),
+        ("MP_CAUCHY_STRESS_VECTOR", used(|block| &block.stress)),
     ] {
         if used {
             let mut values = Vec::new();

@@ -104,16 +104,27 @@ pub fn read(
 fn read_entry(entry: &Parameters, catalogue: &Catalogue) -> Result<(String, Properties), InputErrors> {
     let settings = entry.read(ENTRY)?;
     let mut errors = InputErrors::default();
-    let mut properties = Properties { id: settings.integer("properties_id") as u32, ..Properties::default() };
+    let id = u32::try_from(settings.integer("properties_id")).unwrap_or_else(|_| {
+        let message = format!("is {}, must be at most {}", settings.integer("properties_id"), u32::MAX);
+        errors.push(settings.error("properties_id", message));
+        0
+    });
+    let mut properties = Properties { id, ..Properties::default() };
     if let Some(material) = settings.nested("Material") {
         properties.law = material.nested("constitutive_law").map(|law| law.text("name").to_string());
-        if let Some(variables) = material.get("Variables") {
-            for (name, value) in variables.members() {
-                let variable = errors.absorb(read_variable(&name, &value, catalogue));
-                properties.values.extend(variable);
+        // Kratos's own projects write null for none.
+        let mut members = |key: &str| {
+            material.get(key).filter(|m| !m.value().is_null()).and_then(|object| errors.absorb(object.object()))
+        };
+        let (variables, tables) = (members("Variables"), members("Tables"));
+        for (name, value) in variables.unwrap_or_default() {
+            let Some((last, number)) = errors.absorb(read_variable(&name, &value, catalogue)) else { continue };
+            if properties.values.insert(last.clone(), number).is_some() {
+                let message = format!("{name:?} and another key both give {last}");
+                errors.push(value.error(message).help(format!("keep {last} alone")));
             }
         }
-        for (_, table) in material.get("Tables").map_or(Vec::new(), Parameters::members) {
+        for (_, table) in tables.unwrap_or_default() {
             properties.tables.extend(errors.absorb(read_table(&table)));
         }
     }
@@ -130,7 +141,7 @@ fn read_variable(name: &str, value: &Parameters, catalogue: &Catalogue) -> Resul
     }
     match value.value().as_f64() {
         Some(number) if number.is_finite() => Ok((last.to_string(), Value::Number(number))),
-        _ => Err(value.error(format!("{last} must be a number")).into()),
+        _ => Err(value.error(format!("{last} is {}, must be a number", value.describe())).into()),
     }
 }
 

@@ -11,11 +11,12 @@ use bia_constitutive::Catalogue;
 use bia_kernel::diagnostic::{Diagnostic, InputErrors, Place};
 use bia_kernel::error::{Error, Failure};
 use bia_kernel::geometry::{CellLocator, check_cells};
-use bia_kernel::io::mdpa;
+use bia_kernel::io::mdpa::{self, Category};
 use bia_kernel::model::{Model, ModelPart};
 use bia_kernel::processes::{Location, Requirements, RunOptions};
 use bia_kernel::registry::Registry;
 use bia_kernel::solving::ActiveDofs;
+use std::path::Path;
 
 /// Nodal variables that the solver can show.
 const NODAL_VARIABLES: &[&str] = &[
@@ -30,6 +31,22 @@ const NODAL_VARIABLES: &[&str] = &[
     "POSITIVE_FACE_PRESSURE",
     "NEGATIVE_FACE_PRESSURE",
 ];
+
+/// Faults of cells that are shown; the rest is counted.
+const SHOWN: usize = 20;
+
+/// Refuses cells that are turned inside out, folded or flat.
+fn check_mesh(part: &ModelPart, dimension: usize, file: Option<&Path>, errors: &mut InputErrors) {
+    let faults = check_cells(part, &part.elements, dimension);
+    for fault in faults.iter().take(SHOWN) {
+        let place = file.map_or_else(Place::default, |f| mdpa::place_of(f, Category::Element, fault.id()));
+        errors.push(Diagnostic::error(place, fault.to_string()));
+    }
+    if faults.len() > SHOWN {
+        let message = format!("and {} more cells of {}", faults.len() - SHOWN, part.name);
+        errors.push(Diagnostic::error(file.map_or_else(Place::default, Place::file), message));
+    }
+}
 
 /// A scene: its settings, its materials and the search on its grid.
 pub struct Scene {
@@ -66,10 +83,6 @@ impl Scene {
             match source {
                 MeshSource::File(file) => {
                     if let Some(part) = errors.absorb(mdpa::read(file, name, registry)) {
-                        let place = Place::file(file);
-                        for fault in check_cells(&part, &part.elements).into_iter().take(20) {
-                            errors.push(Diagnostic::error(place.clone(), fault.to_string()));
-                        }
                         model.insert(part);
                     }
                 }
@@ -80,6 +93,13 @@ impl Scene {
                     errors.push(diagnostic.help(format!("name an mdpa file; the modelers make: {}", parts.join(", "))));
                 }
                 MeshSource::Modeler => {}
+            }
+            if let Some(part) = model.part(name) {
+                check_mesh(part, self.settings.dimension, source.file(), &mut errors);
+                if name == GRID && part.elements.is_empty() {
+                    let place = source.file().map_or_else(Place::default, Place::file);
+                    errors.push(Diagnostic::error(place, "the background grid has no elements"));
+                }
             }
         }
         self.catalogue = registry.catalogue::<Catalogue>().cloned().unwrap_or_default();
@@ -127,6 +147,7 @@ impl Scene {
             kratos_exact: self.options.kratos_exact,
             explicit: self.settings.explicit.is_some(),
             part: &self.settings.part,
+            file: self.settings.bodies.file(),
         };
         let mut points = generate(&plan)?;
         let elements = grid.elements.len() + bodies.elements.len() + points.len();
@@ -177,14 +198,10 @@ impl Scene {
     /// All points, or a condition, have left the grid.
     pub fn search(&mut self, points: &mut MaterialPoints) -> Result<(), Error> {
         let Some(locator) = &self.locator else { return Ok(()) };
-        let lost = search(points, locator, self.settings.erase_lost);
+        let lost = search(points, locator, self.settings.erase_lost)?;
         if lost > 0 && !self.told_loss {
             tracing::warn!("{lost} material points left the grid and were erased; more are counted in the summary");
             self.told_loss = true;
-        }
-        if points.is_empty() {
-            let advice = "a larger grid, or walls that hold the bodies";
-            return Err(Failure::new("all material points have left the grid", advice).into());
         }
         let conditions = &mut points.conditions;
         for i in 0..conditions.len() {

@@ -9,7 +9,7 @@ use bia_kernel::parameters::{Key, Kind, Parameters, Range, Settings};
 use bia_kernel::processes::Clock;
 use bia_kernel::solving::linear::{self, Nature};
 use bia_kernel::solving::{Criterion, Newmark, Newton, Tolerances};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 const IMPORT: &[Key] = &[
     Key::new("input_type", Kind::Choice(&["mdpa", "use_input_model_part"]), "\"mdpa\"", "where the mesh comes from"),
@@ -99,7 +99,7 @@ pub const KEYS: &[Key] = &[
     Key::new("max_iteration", Kind::Integer { min: 1 }, "20", "most Newton iterations a step"),
     Key::new("compute_reactions", Kind::Bool, "false", "compute REACTION on fixed nodes"),
     Key::new("pressure_dofs", Kind::Bool, "false", "mixed displacement-pressure formulation"),
-    Key::new("stabilization", Kind::Text, "\"ppp\"", "of the mixed formulation"),
+    Key::new("stabilization", Kind::Choice(&["ppp", "none", "asgs", "osgs"]), "\"ppp\"", "of the mixed formulation"),
     Key::new("compressible", Kind::Bool, "true", "explicit: the volume follows the deformation"),
     Key::new("axis_symmetric_flag", Kind::Bool, "false", "axisymmetric about the y axis, x is the radius"),
     Key::new("consistent_mass_matrix", Kind::Bool, "false", "consistent instead of lumped mass"),
@@ -147,6 +147,16 @@ pub enum MaterialSource {
     Project(Parameters),
 }
 
+impl MeshSource {
+    /// The file, if it is one.
+    pub fn file(&self) -> Option<&Path> {
+        match self {
+            MeshSource::File(file) => Some(file),
+            MeshSource::Modeler => None,
+        }
+    }
+}
+
 /// The step as a number or as a function of time.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Stepping {
@@ -172,7 +182,7 @@ impl Stepping {
         if step > 0.0 && clock.time + step > clock.time {
             return Ok(step);
         }
-        let what = format!("the time step {step} does not advance the time {}", clock.time);
+        let what = format!("the time step {step:?} does not advance the time {:?}", clock.time);
         Err(Failure::new(what, "a positive time step, also beyond the ends of the table").into())
     }
 }
@@ -248,7 +258,7 @@ impl SolverSettings {
     ///
     /// # Errors
     /// All faults together.
-    pub fn read(parameters: &Parameters, folder: &std::path::Path) -> Result<Self, InputErrors> {
+    pub fn read(parameters: &Parameters, folder: &Path) -> Result<Self, InputErrors> {
         let s = parameters.read(KEYS)?;
         let mut errors = InputErrors::default();
         let dimension = s.integer("domain_size") as usize;
@@ -388,6 +398,10 @@ fn stepping(s: &Settings, is_explicit: bool) -> Result<Stepping, InputErrors> {
     let Some(nested) = s.nested("time_stepping") else {
         return Err(s.error("time_stepping", "must be an object").into());
     };
+    if nested.given("time_step") && nested.given("time_step_table") {
+        let message = "names both \"time_step\" and \"time_step_table\"";
+        return Err(s.error("time_stepping", message).help("keep one of them").into());
+    }
     if let Some(given) = nested.get("time_step") {
         return match (given.value().as_f64(), given.value().as_str()) {
             (Some(step), _) if step > 0.0 && step.is_finite() => Ok(Stepping::Constant(step)),
@@ -412,7 +426,7 @@ fn stepping(s: &Settings, is_explicit: bool) -> Result<Stepping, InputErrors> {
     Table::new(pairs).map(Stepping::Table).map_err(|message| list.error(message).into())
 }
 
-fn mesh(s: &Settings, key: &str, folder: &std::path::Path) -> Result<MeshSource, InputErrors> {
+fn mesh(s: &Settings, key: &str, folder: &Path) -> Result<MeshSource, InputErrors> {
     let Some(nested) = s.nested(key) else {
         return Ok(MeshSource::Modeler);
     };
@@ -435,7 +449,7 @@ fn mesh(s: &Settings, key: &str, folder: &std::path::Path) -> Result<MeshSource,
     Ok(MeshSource::File(file))
 }
 
-fn materials(s: &Settings, folder: &std::path::Path) -> Result<MaterialSource, InputErrors> {
+fn materials(s: &Settings, folder: &Path) -> Result<MaterialSource, InputErrors> {
     let Some(nested) = s.nested("material_import_settings") else {
         return Err(s.error("material_import_settings", "must be an object").into());
     };

@@ -110,6 +110,17 @@ pub(super) struct Recorder {
     partial: PathBuf,
     file: BufWriter<File>,
     states: usize,
+    whole: bool,
+}
+
+/// What was not finished is taken away.
+impl Drop for Recorder {
+    fn drop(&mut self) {
+        if !self.whole {
+            // The first error is on its way to the caller; a second one could not help.
+            let _ = std::fs::remove_file(&self.partial);
+        }
+    }
 }
 
 impl Recorder {
@@ -132,7 +143,7 @@ impl Recorder {
             file.write_all(b"{\"snapshots\":[").map(|()| file)
         });
         match open {
-            Ok(file) => Ok(Self { plan, due, partial, file, states: 0 }),
+            Ok(file) => Ok(Self { plan, due, partial, file, states: 0, whole: false }),
             Err(source) => Err(Error::Write { path: plan.path, source }),
         }
     }
@@ -189,7 +200,8 @@ impl Recorder {
             self.file.flush()?;
             std::fs::rename(&self.partial, &self.plan.path)
         };
-        write().map_err(|source| Error::Write { path: self.plan.path.clone(), source })
+        self.whole = write().map(|()| true).map_err(|source| Error::Write { path: self.plan.path.clone(), source })?;
+        Ok(())
     }
 }
 

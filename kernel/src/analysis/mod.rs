@@ -95,6 +95,7 @@ impl Analysis {
         errors.or(())?;
         let start = project.problem.number("start_time");
         let clock = Clock { start, time: start, end: project.problem.number("end_time"), ..Clock::default() };
+        check_time_step(solver.as_mut(), &model, &clock, &project)?;
         let first_output = own + project.processes.len();
         let warnings = project.warnings;
         Ok(Self { model, solver, processes, first_output, clock, options, warnings, stages: Vec::new() })
@@ -141,10 +142,13 @@ impl Analysis {
             Ok(()) => {}
             Err(Error::Failure(mut failure)) => {
                 failure.stamp(self.clock.step, self.clock.time);
-                if let Ok(files) = self.solver.save_state(&self.model, &self.options.output) {
-                    let names: Vec<String> = files.iter().map(|f| f.display().to_string()).collect();
-                    failure = failure.detail(format!("the state was saved to {}", names.join(", ")));
-                }
+                failure = failure.detail(match self.solver.save_state(&self.model, &self.options.output) {
+                    Ok(files) => {
+                        let names: Vec<String> = files.iter().map(|f| f.display().to_string()).collect();
+                        format!("the state was saved to {}", names.join(", "))
+                    }
+                    Err(error) => format!("the state could not be saved: {error}"),
+                });
                 return Err(Error::Failure(failure));
             }
             Err(other) => return Err(other),
@@ -232,4 +236,25 @@ impl Analysis {
         }
         Ok(())
     }
+}
+
+/// Refuses steps so small that the loop would not end: at the end of the run a step must still
+/// change the time, and so it does before.
+fn check_time_step(
+    solver: &mut dyn Solver,
+    model: &Model,
+    clock: &Clock,
+    project: &Project,
+) -> Result<(), InputErrors> {
+    for time in [clock.start, clock.end] {
+        if let Err(error) = solver.time_step(model, &Clock { time, ..*clock }) {
+            let place = project.solver.child("time_stepping").unwrap_or_else(|| project.solver.clone());
+            return Err(match error {
+                Error::Input(errors) => errors,
+                Error::Failure(failure) => place.error(&failure.report().what).help(&failure.report().advice).into(),
+                other => place.error(other.to_string()).into(),
+            });
+        }
+    }
+    Ok(())
 }

@@ -1,7 +1,7 @@
 //! The layout of `ProjectParameters.json`: which blocks there are and in which order they act.
 
 use crate::diagnostic::{InputErrors, nearest};
-use crate::parameters::{Key, Kind, Parameters, Range, Settings};
+use crate::parameters::{Key, Kind, Parameters, Range, Settings, describe};
 
 const PROBLEM_DATA: &[Key] = &[
     Key::new("problem_name", Kind::Text, "\"problem\"", "name of the problem"),
@@ -58,7 +58,7 @@ impl Project {
         if !root.value().is_object() {
             return Err(root.error("a project must be a JSON object").into());
         }
-        let warnings = check_members(&root, &mut errors);
+        let mut warnings = check_members(&root, &mut errors);
         let mut member = |name: &str| {
             let child = root.child(name);
             if child.is_none() {
@@ -68,9 +68,20 @@ impl Project {
         };
         let (problem, solver) = (member("problem_data"), member("solver_settings"));
         let problem = problem.and_then(|p| errors.absorb(p.read(PROBLEM_DATA)));
-        let modelers = root.child("modelers").map_or(Vec::new(), |list| list.entries());
+        if let Some(problem) = &problem {
+            let (start, end) = (problem.number("start_time"), problem.number("end_time"));
+            if end <= start {
+                let message = format!("end_time is {end}, must be above the start_time {start}");
+                errors.push(problem.error("end_time", message));
+            }
+        }
+        let modelers = root.child("modelers").and_then(|list| errors.absorb(list.list())).unwrap_or_default();
         let (processes, outputs) = process_blocks(&root, &mut errors);
-        let kratos_exact = root.child("kratos_exact").and_then(|v| v.value().as_bool()).unwrap_or(false);
+        if processes.is_empty() {
+            warnings.push(root.warning("there are no processes: nothing is held, loaded or moved").to_string());
+        }
+        let flag = root.child("kratos_exact").and_then(|flag| errors.absorb(read_flag(&flag)));
+        let kratos_exact = flag.unwrap_or(false);
         match (problem, solver) {
             (Some(problem), Some(solver)) => errors.or(Self {
                 root: root.clone(),
@@ -85,6 +96,11 @@ impl Project {
             _ => Err(errors),
         }
     }
+}
+
+fn read_flag(value: &Parameters) -> Result<bool, InputErrors> {
+    let wrong = || value.error(format!("is {}, must be true or false", describe(value.value()))).into();
+    value.value().as_bool().ok_or_else(wrong)
 }
 
 /// Refuses members that look like a slip of a known one; strangers are only named.
@@ -126,10 +142,11 @@ fn process_blocks(root: &Parameters, errors: &mut InputErrors) -> (Vec<Parameter
     };
     let (mut processes, outputs) = (blocks("processes"), blocks("output_processes"));
     let legacy: Vec<Parameters> = LEGACY_LISTS.iter().filter_map(|name| root.child(name)).collect();
+    let blocks: Vec<Parameters> = legacy.iter().filter_map(|list| errors.absorb(list.list())).flatten().collect();
     if let Some(first) = legacy.first() {
         if processes.is_empty() {
-            processes = legacy.iter().flat_map(Parameters::entries).collect();
-        } else if legacy.iter().any(|list| !list.entries().is_empty()) {
+            processes = blocks;
+        } else if !blocks.is_empty() {
             errors.push(first.error("lists of processes at the root cannot stand beside \"processes\""));
         }
     }
@@ -170,6 +187,6 @@ mod tests {
         let message = read(text).err().unwrap().to_string();
         assert!(message.contains("did you mean \"solver_settings\""), "{message}");
         let text = r#"{"problem_data": {"end_time": 1}, "solver_settings": {}, "something_else": 1}"#;
-        assert_eq!(read(text).unwrap().warnings.len(), 1);
+        assert_eq!(read(text).unwrap().warnings.len(), 2, "the stranger, and that there are no processes");
     }
 }

@@ -83,14 +83,23 @@ fn node_order(shape: Shape) -> &'static str {
     }
 }
 
+impl CellFault {
+    /// Id of the cell.
+    pub fn id(&self) -> u32 {
+        match self {
+            Self::Inverted { id, .. }
+            | Self::Folded { id, .. }
+            | Self::Degenerate { id, .. }
+            | Self::RepeatedNode { id, .. } => *id,
+        }
+    }
+}
+
 /// The faults of `cells`, whose nodes are those of `part`; at most one for each cell.
 ///
-/// Solid cells (with as many dimensions as the part, which is plane when all third coordinates
-/// are 0) need det J > 0 at their corners and 2-point Gauss points. Lines and surfaces in a space
+/// Solid cells (with as many dimensions as `space`, 2 or 3) need det J > 0 at their corners and 2-point Gauss points. Lines and surfaces in a space
 /// of more dimensions have no sign: they need a measure.
-pub fn check_cells(part: &ModelPart, cells: &Cells) -> Vec<CellFault> {
-    let plane = part.nodes.coordinates.iter().all(|x| x[2] == 0.0);
-    let space = if plane { 2 } else { 3 };
+pub fn check_cells(part: &ModelPart, cells: &Cells, space: usize) -> Vec<CellFault> {
     (0..cells.len()).filter_map(|cell| check_cell(part, cells, cell, space)).collect()
 }
 

@@ -84,6 +84,28 @@ pub fn parse(text: &str, path: &Path, part_name: &str, kinds: &dyn CellNames) ->
     faults.into_errors().or(part)
 }
 
+/// Where a cell stands in a mesh file; the file alone if it cannot be found there. For messages
+/// about meshes that were read without fault: model parts do not keep lines.
+pub fn place_of(path: &Path, category: Category, id: u32) -> Place {
+    let block = match category {
+        Category::Element => "Elements",
+        Category::Condition => "Conditions",
+        Category::Geometry => "Geometries",
+    };
+    let (text, id) = (std::fs::read_to_string(path).unwrap_or_default(), id.to_string());
+    let mut inside = false;
+    for (line, content) in text.lines().enumerate() {
+        let mut words = content.split_whitespace();
+        match words.next() {
+            Some("Begin") => inside = words.next() == Some(block),
+            Some("End") => inside = false,
+            Some(word) if inside && word == id => return Place::line(path, line + 1),
+            _ => {}
+        }
+    }
+    Place::file(path)
+}
+
 fn cannot_open(path: &Path, error: &std::io::Error) -> InputErrors {
     let diagnostic = Diagnostic::error(Place::file(path), format!("the mesh file cannot be read: {error}"));
     let folder = match path.parent() {

@@ -156,7 +156,8 @@ pub(super) fn insert(model: &mut Model, part: ModelPart, settings: &Settings) ->
         let message = format!("the model part {:?} is there already", part.name);
         errors.push(settings.error("model_part_name", message).help("one modeler makes one root model part"));
     }
-    for fault in check_cells(&part, &part.elements).into_iter().take(20) {
+    let space = part.elements.shapes.iter().map(|shape| shape.dimension()).max().unwrap_or(0);
+    for fault in check_cells(&part, &part.elements, space).into_iter().take(20) {
         errors.push(settings.parameters().error(fault.to_string()));
     }
     errors.or(())?;

@@ -2,6 +2,7 @@
 
 use crate::diagnostic::{Diagnostic, InputErrors, Place};
 use serde_json::Value;
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 /// A JSON document with its source text. `//` and `/* */` comments are allowed, as in Kratos.
@@ -10,6 +11,8 @@ pub struct Document {
     path: PathBuf,
     text: String,
     root: Value,
+    /// Pointers whose values do not stand in the text.
+    set: Vec<String>,
 }
 
 impl Document {
@@ -35,19 +38,21 @@ impl Document {
     /// Parses a text that stands (or would stand) in `path`.
     ///
     /// # Errors
-    /// JSON syntax, with line and column.
+    /// JSON syntax, with line and column; a key that stands twice in an object.
     pub fn parse(path: &Path, text: String) -> Result<Self, InputErrors> {
-        let root = serde_json::from_str(&without_comments(&text)).map_err(|error| {
-            let mut place = Place::line(path, error.line());
-            place.column = Some(error.column());
-            let mut message = error.to_string();
-            if let Some(end) = message.find(" at line") {
-                message.truncate(end);
-            }
-            Diagnostic::error(place, format!("is not JSON: {message}"))
-                .help("look for a missing comma, quote or bracket just before this place")
-        })?;
-        Ok(Self { path: path.to_path_buf(), text, root })
+        // A byte order mark is no content.
+        let text = text.strip_prefix('\u{feff}').map_or_else(|| text.clone(), str::to_owned);
+        let clean = without_comments(&text);
+        let root = serde_json::from_str(&clean).map_err(|error| syntax_error(path, &text, &error))?;
+        let mut errors = InputErrors::default();
+        for (pointer, first, second) in doubles(clean.as_bytes()) {
+            let place = place_at(path, &pointer, &text, second);
+            let key = pointer.rsplit('/').next().unwrap_or_default();
+            let line = line_and_column(&text, first).0;
+            let message = format!("the key {key:?} stands twice in one object, first on line {line}");
+            errors.push(Diagnostic::error(place, message).help("remove one of them; only one could have an effect"));
+        }
+        errors.or(Self { path: path.to_path_buf(), text, root, set: Vec::new() })
     }
 
     /// The file.
@@ -71,9 +76,13 @@ impl Document {
     /// A pointer whose parent does not exist or is no object or list.
     pub fn set(&mut self, pointer: &str, text: &str) -> Result<(), InputErrors> {
         let value = serde_json::from_str(text).unwrap_or_else(|_| Value::String(text.into()));
-        let (parent, key) = pointer.rsplit_once('/').unwrap_or(("", pointer));
-        let key = key.replace("~1", "/").replace("~0", "~");
         let place = Place { file: Some(self.path.clone()), pointer: Some(pointer.into()), ..Place::default() };
+        let Some((parent, key)) = pointer.rsplit_once('/').filter(|_| pointer.starts_with('/')) else {
+            let help = "a pointer looks like /solver_settings/time_stepping/time_step";
+            return Err(Diagnostic::error(place, "is no JSON pointer").help(help).into());
+        };
+        self.set.push(pointer.into());
+        let key = key.replace("~1", "/").replace("~0", "~");
         match self.root.pointer_mut(parent) {
             Some(Value::Object(object)) => {
                 object.insert(key, value);
@@ -94,14 +103,100 @@ impl Document {
 
     /// Where the value at a JSON pointer stands; the nearest enclosing value if it is not in the text.
     pub fn place(&self, pointer: &str) -> Place {
+        let below =
+            |set: &String| pointer.strip_prefix(set.as_str()).is_some_and(|r| r.is_empty() || r.starts_with('/'));
         let mut place = Place { file: Some(self.path.clone()), pointer: Some(pointer.into()), ..Place::default() };
-        if let Some(offset) = locate(&self.text, pointer) {
-            let before = &self.text[..offset];
-            place.line = Some(before.matches('\n').count() + 1);
-            place.column = Some(before.rsplit('\n').next().map_or(1, |line| line.chars().count() + 1));
+        if self.set.iter().any(below) {
+            place.pointer = Some(format!("{pointer} (set on the command line)"));
+            return place;
         }
-        place
+        match locate(&self.text, pointer) {
+            Some(offset) => place_at(&self.path, pointer, &self.text, offset),
+            None => place,
+        }
     }
+}
+
+fn syntax_error(path: &Path, text: &str, error: &serde_json::Error) -> Diagnostic {
+    let line = text.lines().nth(error.line().saturating_sub(1)).unwrap_or_default();
+    // The parser counts bytes, people count letters.
+    let column = line.char_indices().take_while(|(byte, _)| byte + 1 < error.column()).count() + 1;
+    let place = Place { column: Some(column), ..Place::line(path, error.line()) };
+    let message = error.to_string();
+    let message = message.split(" at line").next().unwrap_or_default();
+    let help = match message {
+        "number out of range" => "a number must be smaller than 1.8e308",
+        "expected ident" | "expected value" => {
+            "a value is a number, \"text\", true, false, null, a list or an object; JSON has no nan or infinity"
+        }
+        _ => "look for a missing comma, quote or bracket just before this place",
+    };
+    Diagnostic::error(place, format!("is not JSON: {message}")).help(help)
+}
+
+fn place_at(path: &Path, pointer: &str, text: &str, offset: usize) -> Place {
+    let (line, column) = line_and_column(text, offset);
+    Place { file: Some(path.to_path_buf()), pointer: Some(pointer.into()), line: Some(line), column: Some(column) }
+}
+
+/// Line and column of a byte offset, both counted from 1.
+fn line_and_column(text: &str, offset: usize) -> (usize, usize) {
+    let before = text.get(..offset).unwrap_or_default();
+    let column = before.rsplit('\n').next().map_or(1, |line| line.chars().count() + 1);
+    (before.matches('\n').count() + 1, column)
+}
+
+/// Keys that stand twice in one object: pointer, offset of the first and of the second. `bytes` is
+/// JSON without comments.
+fn doubles(bytes: &[u8]) -> Vec<(String, usize, usize)> {
+    /// An open object or list: its pointer, the keys so far, and the key or index that comes.
+    struct Open {
+        pointer: String,
+        keys: HashMap<String, usize>,
+        index: Option<usize>,
+        key: String,
+    }
+    let mut found = Vec::new();
+    let mut open: Vec<Open> = Vec::new();
+    let (mut at, mut key_comes) = (0, false);
+    while at < bytes.len() {
+        match bytes[at] {
+            b'{' | b'[' => {
+                let pointer = open.last().map_or_else(String::new, |parent| match parent.index {
+                    Some(index) => format!("{}/{index}", parent.pointer),
+                    None => format!("{}/{}", parent.pointer, parent.key),
+                });
+                key_comes = bytes[at] == b'{';
+                let index = (!key_comes).then_some(0);
+                open.push(Open { pointer, keys: HashMap::new(), index, key: String::new() });
+            }
+            b'}' | b']' => {
+                open.pop();
+                key_comes = false;
+            }
+            b',' => match open.last_mut() {
+                Some(Open { index: Some(index), .. }) => *index += 1,
+                _ => key_comes = true,
+            },
+            b'"' => {
+                let end = skip_value(bytes, at);
+                if let Some(object) = open.last_mut().filter(|_| key_comes) {
+                    let key: String = serde_json::from_slice(&bytes[at..end]).unwrap_or_default();
+                    object.key = key.replace('~', "~0").replace('/', "~1");
+                    match object.keys.get(&key) {
+                        Some(&first) => found.push((format!("{}/{}", object.pointer, object.key), first, at)),
+                        None => drop(object.keys.insert(key, at)),
+                    }
+                    key_comes = false;
+                }
+                at = end;
+                continue;
+            }
+            _ => {}
+        }
+        at += 1;
+    }
+    found
 }
 
 fn near_files(path: &Path) -> Vec<String> {
@@ -262,6 +357,16 @@ mod tests {
         let errors = Document::parse(Path::new("f.json"), "{\n \"a\": 1,\n}".into()).unwrap_err();
         assert_eq!(errors.0[0].place.line, Some(3));
         assert!(errors.to_string().contains("trailing comma"), "{errors}");
+        let errors = Document::parse(Path::new("f.json"), "{\"é\": \"ü\" 1}".into()).unwrap_err();
+        assert_eq!(errors.0[0].place.column, Some(11), "{errors}");
+    }
+
+    #[test]
+    fn keys_that_stand_twice_are_found_in_their_object() {
+        let doubles = |text: &str| Document::parse(Path::new("f.json"), text.into()).err().map(|e| e.to_string());
+        assert_eq!(doubles("{\"a\": {\"a\": [\"a\", \"a\"]}, \"b\": {\"a\": 1}}"), None);
+        let message = doubles("{\"l\": [1, {\n\"b/c\": {\"x\": 1}, // \"b/c\"\n\"b\\/c\": 2}]}").unwrap();
+        assert!(message.contains("f.json:3:1 at /l/1/b~1c") && message.contains("first on line 2"), "{message}");
     }
 
     #[test]
@@ -271,6 +376,8 @@ mod tests {
         document.set("/a/new", "word").unwrap();
         assert_eq!(document.root()["a"]["b/c"][0], 7);
         assert_eq!(document.root()["a"]["new"], "word");
-        assert!(document.set("/nope/x", "1").is_err());
+        assert!(document.set("/nope/x", "1").is_err() && document.set("e", "1").is_err());
+        assert!(document.place("/a/new").to_string().ends_with("/a/new (set on the command line)"));
+        assert_eq!(document.place("/a/newer").line, Some(2));
     }
 }

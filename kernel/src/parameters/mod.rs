@@ -37,6 +37,11 @@ impl Parameters {
         &self.value
     }
 
+    /// What it is, for messages: `the text "abc"`, `the number 3`.
+    pub fn describe(&self) -> String {
+        describe(&self.value)
+    }
+
     /// The document it stands in.
     pub fn document(&self) -> &Document {
         &self.document
@@ -76,6 +81,28 @@ impl Parameters {
         Parameters { document: self.document.clone(), pointer: format!("{}/{key}", self.pointer), value }
     }
 
+    /// The entries of a list.
+    ///
+    /// # Errors
+    /// It is something else.
+    pub fn list(&self) -> Result<Vec<Parameters>, InputErrors> {
+        match self.value {
+            Value::Array(_) => Ok(self.entries()),
+            _ => Err(self.error(format!("is {}, must be a list", describe(&self.value))).into()),
+        }
+    }
+
+    /// The members of an object in alphabetical order.
+    ///
+    /// # Errors
+    /// It is something else.
+    pub fn object(&self) -> Result<Vec<(String, Parameters)>, InputErrors> {
+        match self.value {
+            Value::Object(_) => Ok(self.members()),
+            _ => Err(self.error(format!("is {}, must be an object", describe(&self.value))).into()),
+        }
+    }
+
     /// An error at this place.
     pub fn error(&self, message: impl Into<String>) -> Diagnostic {
         Diagnostic::error(self.place(), message)
@@ -99,6 +126,9 @@ impl Parameters {
     /// # Errors
     /// It is missing or no text.
     pub fn text(&self, key: &str) -> Result<String, InputErrors> {
+        if !self.value.is_object() {
+            return Err(self.error(format!("is {}, must be an object", describe(&self.value))).into());
+        }
         let child = self.child(key).ok_or_else(|| self.error(format!("{key:?} is missing")))?;
         match child.value.as_str() {
             Some(text) => Ok(text.into()),

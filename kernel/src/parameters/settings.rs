@@ -128,7 +128,13 @@ impl Settings {
 
 /// The entry of one key; none if it is absent or wrong (then an error was added).
 fn read_key(parameters: &Parameters, key: &'static Key, errors: &mut InputErrors) -> Option<Entry> {
-    let given = std::iter::once(&key.name).chain(key.aliases).find_map(|name| parameters.child(name));
+    let mut names = std::iter::once(&key.name).chain(key.aliases).filter(|name| parameters.child(name).is_some());
+    let (first, second) = (names.next(), names.next());
+    if let (Some(first), Some(second)) = (first, second) {
+        let message = format!("{first:?} and its older name {second:?} are both given");
+        errors.push(parameters.child(second).unwrap_or_else(|| parameters.clone()).error(message).help("keep one"));
+    }
+    let given = first.and_then(|name| parameters.child(name));
     let (value, given) = match (given, key.default) {
         (Some(value), _) => (value, true),
         (None, Default::Absent) => return None,

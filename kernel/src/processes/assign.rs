@@ -1,8 +1,8 @@
 //! Kratos's core assign and fix processes: values on nodes or conditions, constant or functions.
 
-use super::{Clock, Context, Interval, Process, SpaceTimeValue};
+use super::{Clock, Context, Interval, Process, SpaceTimeValue, not_finite};
 use crate::diagnostic::InputErrors;
-use crate::error::Error;
+use crate::error::{Error, Failure};
 use crate::model::{Members, Model, ModelPart};
 use crate::parameters::{Key, Kind, Settings};
 use crate::registry::{Building, ProcessEntry, Registry};
@@ -216,20 +216,42 @@ fn unit_direction(settings: &Settings) -> Result<[f64; 3], InputErrors> {
 }
 
 impl Assign {
-    fn apply(&self, model: &mut Model, clock: &Clock) {
-        let Some(members) = &self.members else { return };
-        let Some(part) = model.part_mut(&members.root) else { return };
+    fn apply(&self, model: &mut Model, clock: &Clock) -> Result<(), Failure> {
+        let Some(members) = &self.members else { return Ok(()) };
+        let Some(part) = model.part_mut(&members.root) else { return Ok(()) };
         let chosen = if self.target == Target::Nodes { &members.nodes } else { &members.conditions };
         for &index in chosen {
             let position = self.position(part, index);
             for (component, value) in self.values.iter().enumerate() {
                 if let Some(value) = value {
                     let value = value.at(position, position, clock.time);
+                    if !value.is_finite() {
+                        return Err(self.failure(part, index as usize, component, value, position));
+                    }
                     self.store(part, index as usize, component, value);
                 }
             }
         }
         self.fix(part, chosen, true);
+        Ok(())
+    }
+
+    /// Who would get which value that is not finite, and from which function.
+    fn failure(&self, part: &ModelPart, index: usize, component: usize, value: f64, position: [f64; 3]) -> Failure {
+        let name = match self.variable.rank {
+            Rank::Vector => format!("{}_{}", self.variable.name, ["X", "Y", "Z"][component]),
+            _ => self.variable.name.to_string(),
+        };
+        let entity = match self.target {
+            Target::Nodes => format!("node {}", part.nodes.ids[index]),
+            Target::Conditions => format!("condition {}", part.conditions.ids[index]),
+        };
+        let function = ["value", "modulus"].iter().find_map(|key| self.settings.get(key));
+        let failure = not_finite(self.name, &name, value).at(entity, position);
+        match function {
+            Some(function) => failure.detail(format!("{}: {}", function.place(), function.value())),
+            None => failure,
+        }
     }
 
     /// A node's coordinates, or the mean of a condition's nodes.
@@ -303,7 +325,7 @@ impl Process for Assign {
     fn execute_initialize_solution_step(&mut self, context: &mut Context) -> Result<(), Error> {
         self.active = self.interval.contains(context.clock.time);
         if self.active {
-            self.apply(context.model, context.clock);
+            self.apply(context.model, context.clock)?;
         }
         Ok(())
     }

@@ -8,7 +8,7 @@ mod value;
 pub mod vtk;
 
 pub use reset::ResetNodes;
-pub use value::{Interval, SpaceTimeValue};
+pub use value::{Interval, SpaceTimeValue, not_finite};
 
 use crate::diagnostic::InputErrors;
 use crate::error::Error;

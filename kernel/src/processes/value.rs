@@ -1,6 +1,7 @@
 //! Values that are numbers or functions of space and time, and the interval in which they act.
 
 use crate::diagnostic::InputErrors;
+use crate::error::Failure;
 use crate::expression::{Arguments, Expression};
 use crate::parameters::Parameters;
 
@@ -25,7 +26,12 @@ impl SpaceTimeValue {
         match (parameters.value().as_f64(), parameters.value().as_str()) {
             (Some(number), _) => Ok(Self::constant(number)),
             (None, Some(text)) => match Expression::parse(text) {
-                Ok(expression) => Ok(Self { expression, factor: 1.0 }),
+                Ok(expression) => match expression.as_constant() {
+                    Some(value) if !value.is_finite() => {
+                        Err(parameters.error(format!("the function {text:?} is {value}, which is not finite")).into())
+                    }
+                    _ => Ok(Self { expression, factor: 1.0 }),
+                },
                 Err(error) => Err(parameters.error(format!("the function {text:?} is wrong: {error}")).into()),
             },
             _ => Err(parameters.error("must be a number or a function as text").into()),
@@ -73,6 +79,13 @@ impl SpaceTimeValue {
     pub fn depends_on_space(&self) -> bool {
         self.expression.depends_on_space()
     }
+}
+
+/// A process would give a variable a value that is infinite or not a number; the caller adds the
+/// node, point or condition.
+pub fn not_finite(process: &str, variable: &str, value: f64) -> Failure {
+    let what = format!("{process} gives {variable} the value {value}, which is not finite");
+    Failure::new(what, "look at the function of this process near this place and time")
 }
 
 /// From a start to an end time in seconds, both included.

@@ -88,7 +88,7 @@ pub fn method(parameters: Option<&Parameters>, nature: Nature) -> Result<Method,
     };
     let automatic =
         |tolerance: f64| Method::Automatic { symmetric: nature.symmetric, dimension: nature.dimension, tolerance };
-    let Some(parameters) = parameters.filter(|p| p.value().as_object().is_some_and(|o| !o.is_empty())) else {
+    let Some(parameters) = parameters.filter(|p| p.value().as_object().is_none_or(|o| !o.is_empty())) else {
         return Ok(automatic(1e-9));
     };
     let settings = parameters.read(KEYS)?;

@@ -124,8 +124,20 @@ fn not_finite(problem: &dyn NonlinearSystem, rhs: &[f64]) -> Failure {
 }
 
 fn describe(problem: &dyn NonlinearSystem, error: &LinearError) -> Failure {
+    // The dof is named by node and component below; its number in the matrix says nothing to a user.
+    let what = match error {
+        LinearError::Singular { .. } => {
+            "the linear system is singular: a degree of freedom is not held (missing support, or a node without stiffness)"
+                .to_string()
+        }
+        LinearError::NotPositiveDefinite { .. } => {
+            "the linear system is indefinite: the state is unstable, or a degree of freedom is not held".to_string()
+        }
+        LinearError::NonFinite { .. } => "an entry of the linear system is not finite".to_string(),
+        other => format!("the linear system cannot be solved: {other}"),
+    };
     let failure = Failure::new(
-        format!("the linear system cannot be solved: {error}"),
+        what,
         "fix enough displacements to hold each body, look for a body that touches the grid by a corner only, \
          or choose another linear solver",
     );

@@ -5,7 +5,6 @@ mod batches;
 mod plane_stress;
 mod values;
 
-use bia_kernel::diagnostic::Place;
 use bia_kernel::model::{Properties, Value};
 use nalgebra::{DMatrix, Matrix3, Matrix6, Rotation3, Vector3};
 
@@ -13,7 +12,7 @@ use crate::tensor::{stress_from_voigt, stress_to_voigt};
 use crate::verify::{stress_from_energy, tangent_from_stress};
 use crate::{
     ConstitutiveLaw, Deformation, Kinematics, LameParameters, LawEntry, LinearElastic, LinearElasticPlaneStress,
-    NeoHookean, Options, PlaneStress, Response, Tangent, Voigt, Want, YOUNG_MODULUS, catalogue,
+    MaterialPlaces, NeoHookean, Options, PlaneStress, Response, Tangent, Voigt, Want, YOUNG_MODULUS, catalogue,
 };
 
 const ALL: &[usize] = &[0, 1, 2, 3, 4, 5];
@@ -144,7 +143,7 @@ fn material(law: &str, young: f64, poisson: f64) -> Properties {
 
 fn build(law: &str, young: f64, poisson: f64, kinematics: Kinematics, kratos_exact: bool) -> Box<dyn crate::Law> {
     let options = Options { kratos_exact, ..Options::default() };
-    catalogue().build(&material(law, young, poisson), kinematics, &options, &Place::default()).unwrap()
+    catalogue().build(&material(law, young, poisson), kinematics, &options, &MaterialPlaces::default()).unwrap()
 }
 
 fn respond(law: &dyn crate::Law, gradient: &Matrix3<f64>) -> Response {

@@ -304,6 +304,7 @@ fn inverted(block: &Block, point: usize, relative: &Matrix3<f64>) -> Failure {
         "a smaller time step, smaller loads per step, or a finer grid",
     )
     .at(format!("material point {}", block.ids[point]), block.coordinates(point))
-    .detail(format!("determinant of the step's deformation gradient: {:e}", relative.determinant()))
+    .detail(format!("J of this step = {:e}", relative.determinant()))
+    .detail(format!("J before this step = {:e}", block.deformation_gradient(point).determinant()))
     .detail(format!("law: {}", block.law.name()))
 }

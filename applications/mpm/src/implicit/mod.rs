@@ -1,6 +1,7 @@
 //! The implicit solver: static, quasi-static, Newmark and Bossak dynamics (spec 03).
 
 mod element;
+mod forgiving;
 mod problem;
 mod transfer;
 
@@ -19,6 +20,7 @@ use bia_kernel::processes::{Clock, Context, Location, Process, Requirements, Res
 use bia_kernel::registry::Registry;
 use bia_kernel::solving::solver::{Inventory, Solver};
 use bia_kernel::solving::{ActiveDofs, Criterion, NonlinearSystem, StepReport, System};
+use forgiving::Forgiving;
 use problem::{Inertia, Problem};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -243,7 +245,9 @@ impl Solver for Implicit {
         };
         let needed = Columns { motion: self.dynamic(), ..Columns::default() };
         let symmetric = self.scene.make_points(model, requirements, needed)?;
-        self.linear = Some(solver(self.scene.settings.linear_method(symmetric)?));
+        let linear = solver(self.scene.settings.linear_method(symmetric)?);
+        let forgives = symmetric && self.scene.options.kratos_exact;
+        self.linear = Some(if forgives { Box::new(Forgiving::new(linear)) } else { linear });
         Ok(())
     }
 

@@ -5,6 +5,9 @@ use bia_kernel::geometry::{CellLocator, Shape, rule};
 use bia_kernel::model::{ModelPart, kratos_order};
 use bia_kernel::parameters::Parameters;
 
+/// The most points on one condition.
+const MOST_POINTS: usize = 1000;
+
 /// A process's wish that the conditions of a grid part become material-point conditions.
 #[derive(Debug, Clone)]
 pub struct Request {
@@ -148,6 +151,10 @@ fn add(
         made.push(*next_id, corners[0], 1.0, [0.0; 3]);
         *next_id += 1;
         return Ok(());
+    }
+    if request.count > MOST_POINTS {
+        let message = format!("material_points_per_condition is {}, must be at most {MOST_POINTS}", request.count);
+        return Err(request.place.error(message).into());
     }
     let points = if shape == Shape::Line2 && request.equally_distributed {
         even_points(request.count)

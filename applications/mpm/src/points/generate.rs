@@ -3,12 +3,15 @@
 use super::block::{Block, Columns, MaterialPoints, gradient_width};
 use super::conditions::PointConditions;
 use crate::materials::Material;
-use bia_constitutive::{Catalogue, Kinematics, Options};
-use bia_kernel::diagnostic::{Diagnostic, InputErrors};
-use bia_kernel::geometry::{CellLocator, rule};
+use bia_constitutive::{Catalogue, Kinematics, MaterialPlaces, Options};
+use bia_kernel::diagnostic::{Diagnostic, InputErrors, Place};
+use bia_kernel::geometry::{CellLocator, QuadraturePoint, rule};
+use bia_kernel::io::mdpa;
 use bia_kernel::model::{ModelPart, Properties, kratos_order};
+use bia_kernel::parameters::Parameters;
 use bia_kernel::variables::Column;
 use std::f64::consts::TAU;
+use std::path::Path;
 
 /// What generation needs to know.
 pub struct Plan<'a> {
@@ -34,6 +37,16 @@ pub struct Plan<'a> {
     pub explicit: bool,
     /// Name of the part of points.
     pub part: &'a str,
+    /// The file of the body mesh, for messages; none if a modeler made it.
+    pub file: Option<&'a Path>,
+}
+
+impl Plan<'_> {
+    /// Where a body element stands.
+    fn place(&self, element: usize) -> Place {
+        let id = self.bodies.elements.ids[element];
+        self.file.map_or_else(Place::default, |file| mdpa::place_of(file, mdpa::Category::Element, id))
+    }
 }
 
 /// Makes the points of all bodies: one for each integration point of each element that belongs to
@@ -58,25 +71,38 @@ pub fn generate(plan: &Plan) -> Result<MaterialPoints, InputErrors> {
     let cells = plan.grid.elements.len() + plan.bodies.elements.len();
     let mut next_id = plan.grid.nodes.len().max(cells) as u32 + 1;
     let mut outside = Outside::default();
+    let mut refused: Vec<u32> = Vec::new();
     for index in kratos_order(&names) {
         let body = points.bodies.len();
         points.bodies.push(names[index].into());
         let first_block = points.blocks.len();
         for &element in &plan.bodies.children[index].elements {
             let material = plan.bodies.elements.properties[element as usize];
+            if refused.contains(&material) {
+                continue; // one message for a material is enough
+            }
             let mut of_body = points.blocks[first_block..].iter();
             let block = match of_body.position(|block| block.material == material) {
                 Some(position) => &mut points.blocks[first_block + position],
                 None => {
                     let Some(block) = errors.absorb(new_block(plan, body, material, element)) else {
-                        return Err(errors);
+                        // Its number of points may be at fault, too.
+                        let of_material = plan.materials.iter().find(|m| m.properties.id == material);
+                        let count = of_material.and_then(|m| m.properties.number("MATERIAL_POINTS_PER_ELEMENT"));
+                        if count.is_some_and(|count| count > 0.0) {
+                            errors.absorb(integration(plan, material, element as usize));
+                        }
+                        refused.push(material);
+                        continue;
                     };
                     points.blocks.push(block);
                     let last = points.blocks.len() - 1;
                     &mut points.blocks[last]
                 }
             };
-            add_element(plan, block, element as usize, &mut next_id, &mut outside)?;
+            if errors.absorb(add_element(plan, block, element as usize, &mut next_id, &mut outside)).is_none() {
+                refused.push(material);
+            }
         }
     }
     if let Some(diagnostic) = outside.diagnostic(plan) {
@@ -97,14 +123,15 @@ pub fn generate(plan: &Plan) -> Result<MaterialPoints, InputErrors> {
 #[derive(Default)]
 struct Outside {
     count: usize,
-    first: Option<([f64; 3], u32)>,
+    first: Option<([f64; 3], usize)>,
 }
 
 impl Outside {
     fn diagnostic(&self, plan: &Plan) -> Option<Diagnostic> {
         let ([x, y, z], element) = self.first?;
+        let id = plan.bodies.elements.ids[element];
         let message = format!(
-            "{} material points lie outside the background grid, the first at ({x}, {y}, {z}) in body element {element}",
+            "{} material points lie outside the background grid, the first at ({x}, {y}, {z}) in body element {id}",
             self.count
         );
         let bound = |i: usize, pick: fn(f64, f64) -> f64, start: f64| {
@@ -112,15 +139,15 @@ impl Outside {
         };
         let low: [f64; 3] = std::array::from_fn(|i| bound(i, f64::min, f64::INFINITY));
         let high: [f64; 3] = std::array::from_fn(|i| bound(i, f64::max, f64::NEG_INFINITY));
-        Some(Diagnostic::error(Default::default(), message).help(format!("the grid spans {low:?} to {high:?}")))
+        Some(Diagnostic::error(plan.place(element), message).help(format!("the grid spans {low:?} to {high:?}")))
     }
 }
 
 fn material_of<'a>(plan: &'a Plan, id: u32, element: u32) -> Result<&'a Material, InputErrors> {
     plan.materials.iter().find(|m| m.properties.id == id).ok_or_else(|| {
-        let element = plan.bodies.elements.ids[element as usize];
+        let id = plan.bodies.elements.ids[element as usize];
         let names: Vec<String> = plan.bodies.paths();
-        Diagnostic::error(Default::default(), format!("body element {element} has no material"))
+        Diagnostic::error(plan.place(element as usize), format!("body element {id} has no material"))
             .help(format!("give every part a material in the materials file; parts: {}", names.join(", ")))
             .into()
     })
@@ -129,24 +156,25 @@ fn material_of<'a>(plan: &'a Plan, id: u32, element: u32) -> Result<&'a Material
 fn new_block(plan: &Plan, body: usize, id: u32, element: u32) -> Result<Block, InputErrors> {
     let material = material_of(plan, id, element)?;
     let properties = &material.properties;
-    let variables = material.parameters.child("Material").and_then(|m| m.child("Variables"));
-    let place = variables.as_ref().map_or_else(|| material.parameters.place(), |v| v.place());
+    let entry = properties.law.as_deref().and_then(|name| plan.catalogue.find(name));
     let mut errors = InputErrors::default();
     let across = across(plan.kinematics);
     for name in ["DENSITY", "MATERIAL_POINTS_PER_ELEMENT", "THICKNESS", "CROSS_AREA"] {
+        let by_law = entry.is_some_and(|entry| entry.variables.iter().any(|variable| variable.name == name));
         let needed = !["THICKNESS", "CROSS_AREA"].contains(&name) || across == Some(name);
         match properties.number(name) {
+            _ if by_law => {}
             Some(number) if number > 0.0 => {}
             Some(number) => {
-                errors.push(Diagnostic::error(place.clone(), format!("{name} is {number}, must be a number above 0")));
+                let message = format!("{name} is {number}, must be a number above 0");
+                errors.push(value_of(material, Some(name)).error(message));
             }
             None if needed => {
-                errors.push(Diagnostic::error(place.clone(), format!("the material variable {name} is missing")));
+                errors.push(value_of(material, None).error(format!("the material variable {name} is missing")));
             }
             None => {}
         }
     }
-    let entry = properties.law.as_deref().and_then(|name| plan.catalogue.find(name));
     let only_plane_stress = entry.is_some_and(|entry| !entry.kinematics.contains(&Kinematics::PlaneStrain));
     let kinematics = match (plan.kinematics, entry) {
         (Kinematics::PlaneStrain, Some(entry))
@@ -157,7 +185,18 @@ fn new_block(plan: &Plan, body: usize, id: u32, element: u32) -> Result<Block, I
         (kinematics, _) => kinematics,
     };
     let options = Options { kratos_exact: plan.kratos_exact, explicit: plan.explicit };
-    let law = errors.absorb(plan.catalogue.build(properties, kinematics, &options, &place));
+    let law_name = material.parameters.child("Material").and_then(|m| m.child("constitutive_law")?.child("name"));
+    let values = value_of(material, None);
+    let law = law_name.as_ref().unwrap_or(&material.parameters).place();
+    let places = MaterialPlaces { law, values: values.place() };
+    let built = plan.catalogue.build(properties, kinematics, &options, &places).map_err(|mut faults| {
+        // The law knows the pointer of a value, the document its line.
+        for place in faults.0.iter_mut().map(|fault| &mut fault.place).filter(|place| **place != places.law) {
+            *place = place.pointer.as_deref().map_or_else(Place::default, |p| values.document().place(p));
+        }
+        faults
+    });
+    let law = errors.absorb(built);
     match law {
         Some(law) if !errors.any_error() => Ok(Block {
             body,
@@ -194,8 +233,43 @@ fn across(kinematics: Kinematics) -> Option<&'static str> {
     }
 }
 
+/// The place of a constant of a material; without a name (or if it has another name), of all of them.
+fn value_of(material: &Material, name: Option<&str>) -> Parameters {
+    let variables = material.parameters.child("Material").and_then(|m| m.child("Variables"));
+    let variables = variables.unwrap_or_else(|| material.parameters.clone());
+    name.and_then(|name| variables.child(name)).unwrap_or(variables)
+}
+
 fn density(properties: &Properties) -> f64 {
     properties.number("DENSITY").unwrap_or(f64::NAN)
+}
+
+/// The integration points of an element that become material points.
+///
+/// # Errors
+/// A shape that does not fit the kinematics, a number of points that the shape does not have.
+fn integration(plan: &Plan, id: u32, element: usize) -> Result<Vec<QuadraturePoint>, InputErrors> {
+    let elements = &plan.bodies.elements;
+    let material = material_of(plan, id, element as u32)?;
+    let shape = elements.shapes[element];
+    if shape.dimension() != plan.kinematics.dimension() {
+        let message = format!(
+            "body element {} is a {}, which does not fit {}",
+            elements.ids[element],
+            shape.name(),
+            plan.kinematics
+        );
+        let diagnostic = Diagnostic::error(plan.place(element), message);
+        return Err(diagnostic.help("check domain_size and the element names").into());
+    }
+    let wanted = material.properties.number("MATERIAL_POINTS_PER_ELEMENT").unwrap_or(0.0);
+    let points = if wanted.fract() == 0.0 { rule(shape, wanted as usize).ok() } else { None };
+    points.ok_or_else(|| {
+        let counts = bia_kernel::geometry::allowed_counts(shape).iter().map(ToString::to_string).collect::<Vec<_>>();
+        let place = value_of(material, Some("MATERIAL_POINTS_PER_ELEMENT"));
+        let message = format!("MATERIAL_POINTS_PER_ELEMENT is {wanted}, which a {} does not have", shape.name());
+        place.error(message).help(format!("allowed: {}", counts.join(", "))).into()
+    })
 }
 
 /// Adds the points of one element with position, mass, cell and local coordinates.
@@ -209,25 +283,7 @@ fn add_element(
     let elements = &plan.bodies.elements;
     let material = material_of(plan, block.material, element as u32)?;
     let shape = elements.shapes[element];
-    if shape.dimension() != plan.kinematics.dimension() {
-        let message = format!(
-            "body element {} is a {}, which does not fit {}",
-            elements.ids[element],
-            shape.name(),
-            plan.kinematics
-        );
-        let diagnostic = Diagnostic::error(Default::default(), message);
-        return Err(diagnostic.help("check domain_size and the element names").into());
-    }
-    let wanted = material.properties.number("MATERIAL_POINTS_PER_ELEMENT").unwrap_or(0.0);
-    let points = if wanted.fract() == 0.0 { rule(shape, wanted as usize).ok() } else { None };
-    let Some(points) = points else {
-        let counts = bia_kernel::geometry::allowed_counts(shape).iter().map(ToString::to_string).collect::<Vec<_>>();
-        let place = material.parameters.child("Material").and_then(|m| m.child("Variables"));
-        let place = place.unwrap_or_else(|| material.parameters.clone());
-        let message = format!("MATERIAL_POINTS_PER_ELEMENT is {wanted}, which a {} does not have", shape.name());
-        return Err(place.error(message).help(format!("allowed: {}", counts.join(", "))).into());
-    };
+    let points = integration(plan, block.material, element)?;
     let mut corners = plan.bodies.corners(elements, element);
     if plan.kinematics.dimension() == 2 {
         // A plane scene lies at z = 0, whatever the file says.
@@ -242,13 +298,19 @@ fn add_element(
             volume *= material.properties.number(across).unwrap_or(1.0);
         }
         if plan.kinematics == Kinematics::Axisymmetric {
+            if x[0] <= 0.0 {
+                let id = elements.ids[element];
+                let message = format!("body element {id} has a material point at the negative radius {}", x[0]);
+                let help = "an axisymmetric body lies at x >= 0; y is the axis";
+                return Err(Diagnostic::error(plan.place(element), message).help(help).into());
+            }
             volume *= TAU * x[0];
         }
         let id = *next_id;
         *next_id += 1;
         let Some((cell, xi)) = plan.locator.locate(x, None) else {
             outside.count += 1;
-            outside.first.get_or_insert((x, elements.ids[element]));
+            outside.first.get_or_insert((x, element));
             continue;
         };
         block.ids.push(id);

@@ -7,7 +7,7 @@ use bia_kernel::diagnostic::InputErrors;
 use bia_kernel::error::Error;
 use bia_kernel::model::Model;
 use bia_kernel::parameters::{Key, Kind, Settings};
-use bia_kernel::processes::{Context, Interval, Process, SpaceTimeValue};
+use bia_kernel::processes::{Context, Interval, Process, SpaceTimeValue, not_finite};
 use bia_kernel::registry::{Building, ProcessEntry, Registry};
 
 const KEYS: &[Key] = &[
@@ -124,6 +124,11 @@ impl Process for Neumann {
                 true => conditions.normal[i].map(|n| size * n),
                 false => std::array::from_fn(|a| size * self.direction[a].at(x, start, time)),
             };
+            if let Some(load) = conditions.load[i].iter().find(|load| !load.is_finite()) {
+                let entity = format!("material-point condition {}", conditions.ids[i]);
+                let variable = self.settings.text("variable_name");
+                return Err(not_finite(self.name(), variable, *load).at(entity, x).into());
+            }
         }
         Ok(())
     }

@@ -1,0 +1,161 @@
+//! Faults of the blocks of processes.
+
+use super::base::{GRID, PROJECT, Scene, refuse};
+
+/// Replaces the gravity process by another one.
+fn load(scene: Scene, parameters: &str) -> Scene {
+    scene
+        .replace(PROJECT, "assign_gravity_to_material_point_process", "apply_mpm_particle_neumann_condition_process")
+        .replace(PROJECT, "\"modulus\": 9.81,\n                \"direction\": [0.0, -1.0, 0.0]", parameters)
+}
+
+#[test]
+fn blocks() {
+    refuse(&[
+        (
+            "module",
+            |s| s.replace(PROJECT, "assign_vector_variable_process", "assign_vektor_variable_process"),
+            &[
+                "ProjectParameters.json:26:30 at /processes/constraints/0/python_module",
+                "there is no process \"assign_vektor_variable_process\"",
+                "did you mean \"assign_vector_variable_process\"?",
+            ],
+        ),
+        (
+            "no module",
+            |s| s.replace(PROJECT, "\"python_module\": \"assign_vector_variable_process\",", ""),
+            &["at /processes/constraints/0", "\"python_module\" is missing"],
+        ),
+        (
+            "no Parameters",
+            |s| s.replace(PROJECT, "\"Parameters\": {\"model_part_name\": \"MPM_Material\"}", "\"check\": \"\""),
+            &["at /output_processes/energy/0", "the key \"Parameters\" is missing"],
+        ),
+        (
+            "Parametres",
+            |s| s.replace(PROJECT, "\"Parameters\": {\"model", "\"Parametres\": {\"model"),
+            &["at /output_processes/energy/0", "the key \"Parametres\" is unknown", "did you mean \"Parameters\"?"],
+        ),
+        (
+            "block a number",
+            |s| s.replace(PROJECT, "\"gravity\": [{", "\"gravity\": [7, {"),
+            &["at /processes/gravity/0", "is the number 7, must be an object"],
+        ),
+        (
+            "key",
+            |s| s.replace(PROJECT, "\"constrained\"", "\"constraind\""),
+            &["at /processes/constraints/0/Parameters/constraind", "did you mean \"constrained\"?"],
+        ),
+        (
+            "part",
+            |s| s.replace(PROJECT, "Background_Grid.Floor", "Background_Grid.Flor"),
+            &[
+                "ProjectParameters.json:29:36 at /processes/constraints/0/Parameters/model_part_name",
+                "there is no model part \"Background_Grid.Flor\"",
+                "did you mean \"Background_Grid.Floor\"?",
+            ],
+        ),
+        (
+            "part of points",
+            |s| {
+                s.replace(
+                    PROJECT,
+                    "\"MPM_Material\",\n                \"modulus\"",
+                    "\"MPM_Material.Qube\",\n                \"modulus\"",
+                )
+            },
+            &["there is no part of points \"MPM_Material.Qube\"", "did you mean \"MPM_Material.Cube\"?"],
+        ),
+        (
+            "part without nodes",
+            |s| {
+                s.replace(PROJECT, "Background_Grid.Floor", "Background_Grid.Empty")
+                    .append(GRID, "Begin SubModelPart Empty\nEnd SubModelPart\n")
+            },
+            &["the model part \"Background_Grid.Empty\" has no nodes"],
+        ),
+        (
+            "variable",
+            |s| s.replace(PROJECT, "\"DISPLACEMENT\"", "\"DISPLACEMNT\""),
+            &[
+                "at /processes/constraints/0/Parameters/variable_name",
+                "the variable \"DISPLACEMNT\" is unknown",
+                "did you mean \"DISPLACEMENT\"?",
+            ],
+        ),
+        (
+            "rank",
+            |s| s.replace(PROJECT, "\"DISPLACEMENT\"", "\"PRESSURE\""),
+            &["\"PRESSURE\" is a scalar, must be a vector", "DISPLACEMENT"],
+        ),
+        (
+            "interval",
+            |s| s.replace(PROJECT, "[0.0, \"End\"]", "[2.0, 1.0]"),
+            &["at /processes/constraints/0/Parameters/interval", "start <= end"],
+        ),
+        (
+            "interval of texts",
+            |s| s.replace(PROJECT, "[0.0, \"End\"]", "[0.0, \"Ende\"]"),
+            &["where end may be \"End\""],
+        ),
+        (
+            "gravity a text",
+            |s| s.replace(PROJECT, "9.81", "\"much\""),
+            &["at /processes/gravity/0/Parameters/modulus", "\"much\""],
+        ),
+        (
+            "direction",
+            |s| s.replace(PROJECT, "[0.0, -1.0, 0.0]", "[0.0, -1.0]"),
+            &["at /processes/gravity/0/Parameters/direction", "three"],
+        ),
+        (
+            "value of two",
+            |s| s.replace(PROJECT, "[0.0, \"0.0*t\", 0.0]", "[0.0, 1.0]"),
+            &["at /processes/constraints/0/Parameters/value", "a list of 2", "a list of three"],
+        ),
+        (
+            "print format",
+            |s| {
+                s.replace(
+                    PROJECT,
+                    "{\"model_part_name\": \"MPM_Material\"}",
+                    "{\"model_part_name\": \"MPM_Material\", \"print_format\": \"8\"}",
+                )
+            },
+            &["print_format", "is no number format"],
+        ),
+    ]);
+}
+
+#[test]
+fn functions() {
+    refuse(&[
+        (
+            "broken",
+            |s| s.replace(PROJECT, "\"0.0*t\"", "\"0.0*(t\""),
+            &[
+                "ProjectParameters.json:32:32 at /processes/constraints/0/Parameters/value/1",
+                "the function \"0.0*(t\" is wrong",
+                "at character 7 of",
+            ],
+        ),
+        ("symbol", |s| s.replace(PROJECT, "\"0.0*t\"", "\"sinn(t)\""), &["/value/1", "sinn", "sin"]),
+        ("empty", |s| s.replace(PROJECT, "\"0.0*t\"", "\"\""), &["/value/1", "is wrong"]),
+        ("infinite", |s| s.replace(PROJECT, "\"0.0*t\"", "\"1/0\""), &["/value/1", "is not finite"]),
+        ("deep", |s| s.replace(PROJECT, "0.0*t", &"(".repeat(30_000)), &["/value/1", "is wrong"]),
+        ("letters of two bytes", |s| s.replace(PROJECT, "0.0*t", "é*ü + t*größe"), &["/value/1", "is wrong"]),
+    ]);
+}
+
+#[test]
+fn loads_on_conditions() {
+    refuse(&[
+        ("part", |s| load(s, "\"modulus\": 1.0"), &["is no first-level part of the grid with conditions"]),
+        (
+            "variable",
+            |s| load(s, "\"variable_name\": \"POINT_LAOD\""),
+            &["/variable_name", "did you mean \"POINT_LOAD\"?"],
+        ),
+        ("function", |s| load(s, "\"modulus\": \"2*\""), &["/modulus", "is wrong"]),
+    ]);
+}

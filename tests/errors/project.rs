@@ -1,0 +1,399 @@
+//! Faults of ProjectParameters.json beside those of its processes.
+
+use super::base::{PROJECT, Scene, refuse};
+
+#[test]
+fn the_base_scene_runs() {
+    let outcome = Scene::base().run(&[]);
+    assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+    assert_eq!(outcome.new_files, ["energy.dat"]);
+    let outcome = Scene::base().command("check", &[]);
+    assert_eq!((outcome.code, outcome.new_files.len()), (Some(0), 0), "{}", outcome.stderr);
+}
+
+#[test]
+fn syntax() {
+    refuse(&[
+        (
+            "trailing comma",
+            |s| s.replace(PROJECT, "\"end_time\": 0.02", "\"end_time\": 0.02,"),
+            &["ProjectParameters.json:7:5", "trailing comma", "is not JSON"],
+        ),
+        (
+            "missing comma",
+            |s| s.replace(PROJECT, "\"start_time\": 0.0,", "\"start_time\": 0.0"),
+            &["ProjectParameters.json:6:", "expected `,` or `}`"],
+        ),
+        (
+            "cut off",
+            |s| {
+                let text = s.text(PROJECT);
+                s.write(PROJECT, text[..800].to_string())
+            },
+            &["ProjectParameters.json:", "EOF"],
+        ),
+        ("empty", |s| s.write(PROJECT, ""), &["ProjectParameters.json", "is not JSON", "EOF"]),
+        ("a list", |s| s.write(PROJECT, "[1]"), &["a project must be a JSON object"]),
+        ("not UTF-8", |s| s.write(PROJECT, *b"{\"a\": \"\xff\"}"), &["is not UTF-8 text (byte 7)"]),
+        (
+            "infinite number",
+            |s| s.replace(PROJECT, "9.81", "1e999"),
+            &["ProjectParameters.json:41:", "number out of range", "smaller than 1.8e308"],
+        ),
+        (
+            "nan",
+            |s| s.replace(PROJECT, "9.81", "nan"),
+            &["ProjectParameters.json:41:", "is not JSON", "no nan or infinity"],
+        ),
+        (
+            "key twice",
+            |s| s.replace(PROJECT, "\"start_time\": 0.0,", "\"start_time\": 0.0, \"end_time\": 1.0,"),
+            &["ProjectParameters.json:6:", "at /problem_data/end_time", "stands twice", "line 5"],
+        ),
+        (
+            "after other letters",
+            |s| s.replace(PROJECT, "\"problem_name\": \"base\",", "\"problem_name\": \"Ünïcödé größer\", \"oops\" 1,"),
+            &["ProjectParameters.json:3:", "expected `:`"],
+        ),
+    ]);
+}
+
+#[test]
+fn problem_data() {
+    refuse(&[
+        (
+            "missing",
+            |s| s.replace(PROJECT, "\"problem_data\"", "\"problem_dota\""),
+            &["the key \"problem_dota\" is unknown", "did you mean \"problem_data\"?", "\"problem_data\" is missing"],
+        ),
+        (
+            "no end",
+            |s| s.replace(PROJECT, ",\n        \"end_time\": 0.02", ""),
+            &["at /problem_data", "\"end_time\" is missing"],
+        ),
+        (
+            "MPI",
+            |s| s.replace(PROJECT, "\"OpenMP\"", "\"MPI\""),
+            &["ProjectParameters.json:4:26 at /problem_data/parallel_type", "\"MPI\"", "must be one of OpenMP"],
+        ),
+        ("small letters", |s| s.replace(PROJECT, "\"OpenMP\"", "\"openmp\""), &["did you mean \"OpenMP\"?"]),
+        (
+            "end before start",
+            |s| s.replace(PROJECT, "\"start_time\": 0.0", "\"start_time\": 5.0"),
+            &["ProjectParameters.json:6:21 at /problem_data/end_time", "end_time is 0.02", "above the start_time 5"],
+        ),
+        (
+            "end a text",
+            |s| s.replace(PROJECT, "0.02", "\"late\""),
+            &["at /problem_data/end_time", "is the text \"late\"", "must be a number"],
+        ),
+        (
+            "problem_data a number",
+            |s| {
+                let text = s.text(PROJECT);
+                let end = text.find("    \"solver_settings\"").unwrap();
+                s.write(PROJECT, format!("{{\"problem_data\": 3,\n{}", &text[end..]))
+            },
+            &["at /problem_data", "is the number 3, must be an object"],
+        ),
+    ]);
+}
+
+#[test]
+fn solver_settings() {
+    refuse(&[
+        (
+            "key",
+            |s| s.replace(PROJECT, "\"max_iteration\"", "\"max_iterations\""),
+            &[
+                "ProjectParameters.json:17:27 at /solver_settings/max_iterations",
+                "the key \"max_iterations\" is unknown",
+                "did you mean \"max_iteration\"?",
+            ],
+        ),
+        (
+            "wrong type",
+            |s| s.replace(PROJECT, "\"max_iteration\": 20", "\"max_iteration\": \"20\""),
+            &["at /solver_settings/max_iteration", "is the text \"20\"", "a whole number of at least 1"],
+        ),
+        (
+            "fraction",
+            |s| s.replace(PROJECT, "\"max_iteration\": 20", "\"max_iteration\": 2.5"),
+            &["is the number 2.5", "a whole number of at least 1"],
+        ),
+        (
+            "solver type",
+            |s| s.replace(PROJECT, "\"dynamic\"", "\"dynamicc\""),
+            &[
+                "at /solver_settings/solver_type",
+                "there is no solver type \"dynamicc\"",
+                "did you mean \"dynamic\"?",
+                "static, quasi_static, dynamic",
+            ],
+        ),
+        (
+            "no solver type",
+            |s| s.replace(PROJECT, "\"solver_type\": \"dynamic\",", ""),
+            &["at /solver_settings", "\"solver_type\" is missing", "static, quasi_static, dynamic"],
+        ),
+        (
+            "scheme",
+            |s| s.replace(PROJECT, "\"newmark\"", "\"newmarkk\""),
+            &["at /solver_settings/scheme_type", "did you mean \"newmark\"?", "bossak"],
+        ),
+        (
+            "explicit",
+            |s| s.replace(PROJECT, "\"scheme_type\": \"newmark\"", "\"time_integration_method\": \"explicit\""),
+            &["time_integration_method", "must be one of implicit"],
+        ),
+        (
+            "criterion",
+            |s| s.replace(PROJECT, "\"residual_criterion\"", "\"residual\""),
+            &["at /solver_settings/convergence_criterion", "residual_criterion, displacement_criterion"],
+        ),
+        (
+            "linear solver",
+            |s| s.replace(PROJECT, "sparse_lu", "sparse_lo"),
+            &["at /solver_settings/linear_solver_settings/solver_type", "did you mean \"sparse_lu\"?"],
+        ),
+        (
+            "linear solver a text",
+            |s| s.replace(PROJECT, "{\"solver_type\": \"LinearSolversApplication.sparse_lu\"}", "\"amgcl\""),
+            &["at /solver_settings/linear_solver_settings", "is the text \"amgcl\", must be an object"],
+        ),
+        (
+            "linear solver key",
+            |s| s.replace(PROJECT, "sparse_lu\"", "sparse_lu\", \"tolerence\": 1"),
+            &["did you mean \"tolerance\"?"],
+        ),
+        (
+            "no domain size",
+            |s| s.replace(PROJECT, "\"domain_size\": 2,", ""),
+            &["\"domain_size\" is missing", "2 or 3"],
+        ),
+        (
+            "domain size 3",
+            |s| s.replace(PROJECT, "\"domain_size\": 2", "\"domain_size\": 3"),
+            &[
+                "ProjectParameters.json:12:24 at /solver_settings/domain_size",
+                "is 3, but grid element 1 is a Element2D4N",
+            ],
+        ),
+        (
+            "domain size 4",
+            |s| s.replace(PROJECT, "\"domain_size\": 2", "\"domain_size\": 4"),
+            &["is 4, must be 1, 2 or 3"],
+        ),
+        (
+            "axisymmetric in space",
+            |s| {
+                s.replace(PROJECT, "\"domain_size\": 2", "\"domain_size\": 3").replace(
+                    PROJECT,
+                    "\"axis_symmetric_flag\": false",
+                    "\"axis_symmetric_flag\": true",
+                )
+            },
+            &["at /solver_settings/axis_symmetric_flag", "needs domain_size 2"],
+        ),
+        (
+            "pressure_dofs",
+            |s| s.replace(PROJECT, "\"pressure_dofs\": false", "\"pressure_dofs\": true"),
+            &["at /solver_settings/pressure_dofs", "not part of this build", "set pressure_dofs to false"],
+        ),
+        (
+            "stabilization",
+            |s| s.replace(PROJECT, "\"ppp\"", "\"pppp\""),
+            &["at /solver_settings/stabilization", "did you mean \"ppp\"?"],
+        ),
+        (
+            "no time step",
+            |s| s.replace(PROJECT, "{\"time_step\": 0.01}", "{}"),
+            &["at /solver_settings/time_stepping", "neither \"time_step\" nor \"time_step_table\""],
+        ),
+        (
+            "negative time step",
+            |s| s.replace(PROJECT, "0.01}", "-0.01}"),
+            &[
+                "ProjectParameters.json:18:40 at /solver_settings/time_stepping/time_step",
+                "is the number -0.01",
+                "above 0",
+            ],
+        ),
+        ("zero time step", |s| s.replace(PROJECT, "0.01}", "0}"), &["/time_step", "is the number 0", "above 0"]),
+        (
+            "step that vanishes",
+            |s| s.replace(PROJECT, "0.01}", "1e-20}"),
+            &["at /solver_settings/time_stepping", "the time step 1e-20 does not advance the time 0.02"],
+        ),
+        (
+            "two steps",
+            |s| s.replace(PROJECT, "0.01}", "0.01, \"time_step_table\": [[0, 1], [1, 1]]}"),
+            &["at /solver_settings/time_stepping", "both \"time_step\" and \"time_step_table\""],
+        ),
+        (
+            "bad table",
+            |s| s.replace(PROJECT, "\"time_step\": 0.01}", "\"time_step_table\": [[0, 0.01], [1, -1]]}"),
+            &["at /solver_settings/time_stepping/time_step_table/1", "must be a pair [time, time step]"],
+        ),
+        (
+            "falling table",
+            |s| s.replace(PROJECT, "\"time_step\": 0.01}", "\"time_step_table\": [[1, 0.01], [1, 0.02]]}"),
+            &["at /solver_settings/time_stepping/time_step_table"],
+        ),
+        (
+            "table dies out",
+            |s| s.replace(PROJECT, "\"time_step\": 0.01}", "\"time_step_table\": [[0, 0.01], [0.01, 1e-30]]}"),
+            &["/solver_settings/time_stepping", "does not advance the time 0.02"],
+        ),
+        (
+            "no grid",
+            |s| {
+                s.replace(
+                    PROJECT,
+                    "\"grid_model_import_settings\": {\"input_type\": \"mdpa\", \"input_filename\": \"Grid\"},",
+                    "",
+                )
+            },
+            &["\"input_filename\" is missing", "/grid_model_import_settings"],
+        ),
+        (
+            "modeler without",
+            |s| {
+                s.replace(
+                    PROJECT,
+                    "\"input_type\": \"mdpa\", \"input_filename\": \"Grid\"",
+                    "\"input_type\": \"use_input_model_part\"",
+                )
+            },
+            &["at /solver_settings/grid_model_import_settings", "no modeler makes the model part \"Background_Grid\""],
+        ),
+        (
+            "settings a text",
+            |s| {
+                let text = s.text(PROJECT);
+                let (a, b) = (text.find("\"solver_settings\"").unwrap(), text.find("    \"processes\"").unwrap());
+                s.write(PROJECT, format!("{}\"solver_settings\": \"dynamic\",\n{}", &text[..a], &text[b..]))
+            },
+            &["at /solver_settings", "is the text \"dynamic\", must be an object"],
+        ),
+        (
+            "both names of a key",
+            |s| {
+                s.replace(
+                    PROJECT,
+                    "\"model_import_settings\": {",
+                    "\"initial_model_import_settings\": {\"input_filename\": \"Body\"}, \"model_import_settings\": {",
+                )
+            },
+            &["\"model_import_settings\" and its older name \"initial_model_import_settings\" are both given"],
+        ),
+    ]);
+}
+
+#[test]
+fn layout() {
+    refuse(&[
+        (
+            "slip at the root",
+            |s| s.replace(PROJECT, "\"output_processes\"", "\"output_process\""),
+            &["ProjectParameters.json:46:23 at /output_process", "did you mean \"output_processes\"?"],
+        ),
+        (
+            "processes a list",
+            |s| {
+                s.replace(
+                    PROJECT,
+                    "\"output_processes\": {\n        \"energy\": [{",
+                    "\"output_processes\": [{\n        \"x\": [{",
+                )
+                .replace(
+                    PROJECT,
+                    "\"MPM_Material\"}\n        }]\n    }",
+                    "\"MPM_Material\"}\n        }]\n    }]",
+                )
+            },
+            &["at /output_processes", "must be an object of lists of processes"],
+        ),
+        (
+            "group no list",
+            |s| {
+                s.replace(PROJECT, "\"energy\": [{", "\"energy\": {").replace(
+                    PROJECT,
+                    "\"MPM_Material\"}\n        }]\n    }",
+                    "\"MPM_Material\"}\n        }\n    }",
+                )
+            },
+            &["at /output_processes/energy", "\"energy\" must be a list of processes"],
+        ),
+        (
+            "modelers no list",
+            |s| s.replace(PROJECT, "    \"processes\"", "    \"modelers\": {},\n    \"processes\""),
+            &["at /modelers", "is an object, must be a list"],
+        ),
+        (
+            "unknown modeler",
+            |s| {
+                s.replace(
+                    PROJECT,
+                    "    \"processes\"",
+                    "    \"modelers\": [{\"name\": \"ImportMDPAModeller\", \"parameters\": {}}],\n    \"processes\"",
+                )
+            },
+            &["at /modelers/0/name", "did you mean \"ImportMDPAModeler\"?"],
+        ),
+        (
+            "kratos_exact a text",
+            |s| s.replace(PROJECT, "    \"processes\"", "    \"kratos_exact\": \"yes\",\n    \"processes\""),
+            &["at /kratos_exact", "is the text \"yes\", must be true or false"],
+        ),
+        (
+            "old list no list",
+            |s| s.replace(PROJECT, "    \"processes\"", "    \"loads_process_list\": {},\n    \"processes\""),
+            &["at /loads_process_list", "must be a list"],
+        ),
+        (
+            "old lists too",
+            |s| s.replace(PROJECT, "    \"processes\"", "    \"loads_process_list\": [{}],\n    \"processes\""),
+            &["lists of processes at the root cannot stand beside \"processes\""],
+        ),
+    ]);
+}
+
+#[test]
+fn all_faults_of_the_project_come_together() {
+    refuse(&[(
+        "five",
+        |s| {
+            s.replace(PROJECT, "\"max_iteration\"", "\"max_iterations\"")
+                .replace(PROJECT, "\"newmark\"", "\"newmarkk\"")
+                .replace(PROJECT, "0.01}", "-1}")
+                .replace(PROJECT, "\"DISPLACEMENT\"", "\"DISPLACEMNT\"")
+                .replace(PROJECT, "mpm_write_energy_output_process", "mpm_write_energy_output")
+        },
+        &[
+            "\"max_iterations\"",
+            "\"newmarkk\"",
+            "number -1",
+            "DISPLACEMNT",
+            "mpm_write_energy_output\"",
+            "5 errors in the input; nothing was run or written.",
+        ],
+    )]);
+}
+
+#[test]
+fn what_has_no_effect_is_told() {
+    let strange =
+        Scene::base().replace(PROJECT, "    \"processes\"", "    \"strange\": 1,\n    \"processes\"").run(&[]);
+    assert_eq!(strange.code, Some(0), "{}", strange.stderr);
+    assert!(
+        strange.words().contains("ProjectParameters.json:24:16 at /strange: \"strange\" is unknown and has no effect"),
+        "{}",
+        strange.stderr
+    );
+    let text = Scene::base().text(PROJECT);
+    let without = format!("{}\"x\": 0}}", &text[..text.find("\"processes\"").unwrap()]);
+    let bare = Scene::base().write(PROJECT, without).command("check", &[]);
+    assert_eq!(bare.code, Some(0), "{}", bare.stderr);
+    assert!(bare.words().contains("no processes"), "{}", bare.stderr);
+}

@@ -1,0 +1,136 @@
+//! Every scene in `examples/` through the program, and the number that its README tells to expect.
+
+use serde_json::Value;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+const GRAVITY: f64 = 9.81;
+/// What Kratos 10.4.4 and Bia may differ by through round-off, relative.
+const ROUND_OFF: f64 = 1e-10;
+
+fn examples() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("examples")
+}
+
+/// Runs an example into a folder of its own and returns its record with this many states.
+fn run(name: &str, states: usize) -> Value {
+    let output = tempfile::tempdir().unwrap();
+    let record = output.path().join("record.json");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_bia"));
+    command.args(["run", "--quiet", "--threads", "1", "--record-states", &states.to_string()]);
+    command.arg("--record").arg(&record).arg("--output").arg(output.path());
+    let ended = command.arg(examples().join(name).join("ProjectParameters.json")).output().unwrap();
+    assert!(ended.status.success(), "{name}: {}", String::from_utf8_lossy(&ended.stderr));
+    assert!(holds_vtk(output.path()), "{name} writes no VTK file");
+    let record: Value = serde_json::from_str(&std::fs::read_to_string(record).unwrap()).unwrap();
+    assert_eq!(record["not_converged_steps"], Value::Array(Vec::new()), "{name}");
+    record
+}
+
+/// Whether a folder, or one in it, holds a VTK file.
+fn holds_vtk(folder: &Path) -> bool {
+    std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).any(|path| match path.extension() {
+        Some(extension) => extension == "vtk" || extension == "vtu",
+        None => path.is_dir() && holds_vtk(&path),
+    })
+}
+
+fn states(record: &Value) -> &Vec<Value> {
+    record["snapshots"].as_array().unwrap()
+}
+
+fn rows(state: &Value, kind: &str, field: &str) -> Vec<[f64; 3]> {
+    let rows = state[kind][field].as_array().unwrap();
+    rows.iter().map(|row| std::array::from_fn(|i| row[i].as_f64().unwrap())).collect()
+}
+
+fn number(state: &Value, pointer: &str) -> f64 {
+    state.pointer(pointer).and_then(Value::as_f64).unwrap()
+}
+
+#[track_caller]
+fn assert_close(found: f64, expected: f64, relative: f64) {
+    assert!((found - expected).abs() <= relative * expected.abs(), "{found} is not {expected} to {relative:e}");
+}
+
+#[test]
+fn each_example_has_its_number() {
+    let folders = std::fs::read_dir(examples()).unwrap().map(|entry| entry.unwrap());
+    let found: BTreeSet<String> = folders.map(|entry| entry.file_name().into_string().unwrap()).collect();
+    let tested = ["cantilever", "cook", "falling_block", "falling_disc"].map(String::from);
+    assert_eq!(found, BTreeSet::from(tested), "a new example needs a test of its number in this file");
+    for name in found {
+        assert!(examples().join(&name).join("README.md").is_file(), "{name} has no README.md");
+    }
+}
+
+/// Deflection of a cantilever of rectangular section under its own weight at the distance x from
+/// the clamp, by Timoshenko's beam theory with the shear coefficient 5/6 (in m, downwards):
+/// w = q (x⁴ − 4 L x³ + 6 L² x²)/(24 E I) + q (L x − x²/2)/(κ G A), q = ρ g A.
+fn deflection(x: f64) -> f64 {
+    let (young, poisson, density, length, height) = (1e9, 0.3, 1000.0, 8.0_f64, 1.0_f64);
+    let (load, inertia, shear) = (density * GRAVITY * height, height.powi(3) / 12.0, young / (2.0 * (1.0 + poisson)));
+    let bending = load * (x.powi(4) - 4.0 * length * x.powi(3) + 6.0 * (length * x).powi(2)) / (24.0 * young * inertia);
+    bending + load * (length * x - 0.5 * x * x) / (5.0 / 6.0 * shear * height)
+}
+
+#[test]
+fn the_cantilever_bends_as_a_beam_does() {
+    let record = run("cantilever", 1);
+    let (first, last) = (&states(&record)[0], states(&record).last().unwrap());
+    let start = rows(first, "mp", "MP_COORD");
+    let tip = start.iter().map(|x| x[0]).fold(0.0, f64::max);
+    let moved = rows(last, "mp", "MP_DISPLACEMENT");
+    let column: Vec<f64> =
+        start.iter().zip(&moved).filter(|(x, _)| (x[0] - tip).abs() < 1e-9).map(|(_, u)| u[1]).collect();
+    assert_eq!(column.len(), 16);
+    let mean = column.iter().sum::<f64>() / 16.0;
+    // Eight bilinear cells over the height are too stiff in bending by 1.1 %; sixteen by 0.5 %.
+    assert_close(-mean, deflection(tip), 0.015);
+    assert_close(mean, -0.060300798879098255, ROUND_OFF); // Kratos 10.4.4
+}
+
+#[test]
+fn cooks_membrane_shears_as_its_reference_does() {
+    let record = run("cook", 1);
+    let corner = *rows(states(&record).last().unwrap(), "nodes", "DISPLACEMENT").last().unwrap();
+    // Converged finite elements of order 5: another neo-Hookean law, which at this load changes
+    // 0.02 %; 32 x 32 bilinear cells are too stiff by 1.6 %, 64 x 64 by 0.7 %.
+    assert_close(corner[0], -0.00502387 * 48.0, 0.03);
+    assert_close(corner[1], 0.00669952 * 48.0, 0.02);
+    // Kratos 10.4.4 on the same mesh.
+    assert_close(corner[0], -0.23569899773480804, ROUND_OFF);
+    assert_close(corner[1], 0.3165353992029921, ROUND_OFF);
+}
+
+#[test]
+fn the_block_falls_freely_until_its_lowest_points_reach_the_lowest_cells() {
+    let record = run("falling_block", 500);
+    let states = states(&record);
+    // The lowest row of points stands at a Gauss point above y = 0.3; the first row of cells ends at y = 0.025.
+    let lowest = 0.3 + 0.025 * 0.5 * (1.0 - 1.0 / 3.0_f64.sqrt());
+    let contact = (2.0 * (lowest - 0.025) / GRAVITY).sqrt();
+    let energy = number(&states[0], "/energies/total");
+    assert_close(energy, 40.0 * GRAVITY * 0.4, 1e-12); // m g y
+    for state in states {
+        let time = number(state, "/time");
+        // A step feels the floor if the points are in the lowest cells when it starts.
+        let free = time - 0.001 < contact;
+        let fallen = 0.4 - 0.5 * GRAVITY * time * time;
+        assert_eq!((number(state, "/sums/com/1") - fallen).abs() < 1e-10, free, "centre of mass at {time} s");
+        assert_eq!((number(state, "/energies/total") / energy - 1.0).abs() < 1e-10, free, "energy at {time} s");
+    }
+}
+
+#[test]
+fn the_disc_has_the_mass_of_a_polygon_and_falls_freely() {
+    let record = run("falling_disc", 45);
+    let states = states(&record);
+    let polygon = 32.0 * 0.2 * 0.2 * (std::f64::consts::TAU / 64.0).sin();
+    assert_close(number(&states[0], "/sums/mass"), 1000.0 * polygon, 1e-12);
+    for state in states.iter().take_while(|state| number(state, "/time") <= 0.3) {
+        let fallen = 0.7 - 0.5 * GRAVITY * number(state, "/time").powi(2);
+        assert_close(number(state, "/sums/com/1"), fallen, 1e-10);
+    }
+}
