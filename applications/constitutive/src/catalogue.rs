@@ -9,6 +9,7 @@ use thiserror::Error;
 
 use crate::{
     ConstitutiveLaw, Fault, Kinematics, Law, Material, MaterialVariable, Options, linear_elastic, neo_hookean,
+    newtonian,
 };
 
 /// A law under one name.
@@ -28,6 +29,8 @@ pub struct LawEntry {
     pub variables: &'static [MaterialVariable],
     /// Makes the law from a material, or lists all the material's faults.
     pub build: Build,
+    /// Makes the law that explicit solvers use under this name, if that is another one.
+    pub explicit: Option<Build>,
 }
 
 /// Makes a law from a material, or lists all the material's faults.
@@ -36,7 +39,22 @@ pub type Build = fn(&Properties, &Options) -> Result<Box<dyn Law>, Vec<Fault>>;
 impl LawEntry {
     /// The entry of law `L` under `name` for elements of `kinematics`, without aliases.
     pub const fn of<L: ConstitutiveLaw>(name: &'static str, kinematics: &'static [Kinematics]) -> Self {
-        Self { name, aliases: &[], law: L::NAME, kinematics, help: L::HELP, variables: L::VARIABLES, build: build::<L> }
+        Self {
+            name,
+            aliases: &[],
+            law: L::NAME,
+            kinematics,
+            help: L::HELP,
+            variables: L::VARIABLES,
+            build: build::<L>,
+            explicit: None,
+        }
+    }
+
+    /// The same entry with another law, of the same constants, for explicit solvers.
+    #[must_use]
+    pub const fn explicit<L: ConstitutiveLaw>(self) -> Self {
+        Self { explicit: Some(build::<L>), ..self }
     }
 
     /// The same entry under further names.
@@ -107,6 +125,7 @@ pub fn catalogue() -> Catalogue {
     let entries = [
         linear_elastic::entries(), //
         neo_hookean::entries(),
+        newtonian::entries(),
     ];
     Catalogue { entries: entries.concat() }
 }
@@ -153,7 +172,8 @@ impl Catalogue {
         if !entry.kinematics.contains(&kinematics) {
             errors.push(self.wrong_kinematics(entry, kinematics, &places.law));
         }
-        let built = (entry.build)(properties, options)
+        let build = entry.explicit.filter(|_| options.explicit).unwrap_or(entry.build);
+        let built = build(properties, options)
             .map_err(|faults| InputErrors(faults.iter().map(|fault| fault.diagnostic(&places.values)).collect()));
         match errors.absorb(built) {
             Some(law) if !errors.any_error() => Ok(law),
@@ -217,7 +237,13 @@ mod tests {
     use super::*;
 
     fn rubber(law: &str) -> Properties {
-        let numbers = [("DENSITY", 1000.0), ("YOUNG_MODULUS", 1e6), ("POISSON_RATIO", 0.3)];
+        let numbers = [
+            ("DENSITY", 1000.0),
+            ("YOUNG_MODULUS", 1e6),
+            ("POISSON_RATIO", 0.3),
+            ("BULK_MODULUS", 1e6),
+            ("DYNAMIC_VISCOSITY", 1.0),
+        ];
         let values = numbers.map(|(name, number)| (name.to_owned(), Value::Number(number))).into();
         Properties { law: Some(law.into()), values, ..Default::default() }
     }
@@ -241,6 +267,17 @@ mod tests {
         }
         let taken = LawEntry { name: "Other", aliases: &["HyperElasticNeoHookean3DLaw"], ..all.entries()[0] };
         assert_eq!(again.register(taken), Err(DuplicateLaw("HyperElasticNeoHookean3DLaw")));
+    }
+
+    #[test]
+    fn explicit_solvers_get_the_law_of_accumulated_strain() {
+        let properties = rubber("LinearElasticIsotropic3DLaw");
+        for explicit in [false, true] {
+            let options = Options { explicit, ..Options::default() };
+            let law =
+                catalogue().build(&properties, Kinematics::ThreeDimensional, &options, &Place::default()).unwrap();
+            assert_eq!(law.uses_strain(), explicit);
+        }
     }
 
     #[test]

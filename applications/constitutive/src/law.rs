@@ -17,12 +17,15 @@ pub struct Deformation {
     pub time_step: f64,
     /// Mean stress interpolated from the nodes (Pa), tension positive; only mixed u-p elements have it.
     pub pressure: Option<f64>,
+    /// Strain accumulated in axes that turn with the material, shear doubled; only explicit elements
+    /// have it.
+    pub strain: Option<Voigt>,
 }
 
 impl Deformation {
     /// From the undeformed state in one step without duration and without nodal pressure.
     pub fn from_gradient(gradient: Matrix3<f64>) -> Self {
-        Self { gradient, previous: Matrix3::identity(), time_step: 0.0, pressure: None }
+        Self { gradient, previous: Matrix3::identity(), time_step: 0.0, pressure: None, strain: None }
     }
 }
 
@@ -43,6 +46,8 @@ pub trait ConstitutiveLaw: Sized + Send + Sync + 'static {
     const VARIABLES: &'static [MaterialVariable];
     /// History of one point, a `#[repr(C)]` struct of `f64`; `()` stores nothing.
     type State: Pod + Send + Sync;
+    /// The law takes [`Deformation::strain`].
+    const USES_STRAIN: bool = false;
 
     /// The law with the constants of `material`, each of which has passed its own range.
     ///
@@ -137,6 +142,23 @@ pub trait Law: Send + Sync {
         want: Want,
     ) -> Result<(), (usize, LawError)>;
 
+    /// As [`respond`](Self::respond) with the stress alone, for explicit elements.
+    ///
+    /// # Errors
+    /// The first point without an answer, and why. Points before it have been answered.
+    ///
+    /// # Panics
+    /// The lengths of the slices do not agree.
+    fn stresses(
+        &self,
+        deformations: &[Deformation],
+        states: &mut [f64],
+        out: &mut [Voigt],
+    ) -> Result<(), (usize, LawError)>;
+
+    /// See [`ConstitutiveLaw::USES_STRAIN`].
+    fn uses_strain(&self) -> bool;
+
     /// See [`ConstitutiveLaw::strain`].
     fn strain(&self, deformation: &Deformation) -> Voigt;
 
@@ -206,6 +228,28 @@ impl<L: ConstitutiveLaw> Law for L {
             }
         }
         Ok(())
+    }
+
+    fn stresses(
+        &self,
+        deformations: &[Deformation],
+        states: &mut [f64],
+        out: &mut [Voigt],
+    ) -> Result<(), (usize, LawError)> {
+        assert_eq!(deformations.len(), out.len(), "one answer per deformation");
+        assert_eq!(deformations.len() * numbers_in::<L::State>(), states.len(), "one state per deformation");
+        for (point, (deformation, answer)) in deformations.iter().zip(out).enumerate() {
+            let state = state_at::<L::State>(states, point);
+            *answer = self.stress(deformation, state).map_err(|error| (point, error))?;
+            if !answer.iter().sum::<f64>().is_finite() {
+                return Err((point, LawError::NonFinite));
+            }
+        }
+        Ok(())
+    }
+
+    fn uses_strain(&self) -> bool {
+        L::USES_STRAIN
     }
 
     fn strain(&self, deformation: &Deformation) -> Voigt {

@@ -10,17 +10,20 @@
 
 mod catalogue;
 mod error;
+mod hypoelastic;
 mod kinematics;
 mod law;
 mod linear_elastic;
 mod material;
 mod neo_hookean;
+mod newtonian;
 mod plane_stress;
 pub mod tensor;
 pub mod verify;
 
 pub use catalogue::{Build, Catalogue, DuplicateLaw, LawEntry, MaterialPlaces, catalogue};
 pub use error::LawError;
+pub use hypoelastic::Hypoelastic;
 pub use kinematics::Kinematics;
 pub use law::{ConstitutiveLaw, Deformation, Law, Response, Want};
 pub use linear_elastic::{LinearElastic, LinearElasticPlaneStress};
@@ -28,6 +31,7 @@ pub use material::{
     DENSITY, Fault, LameParameters, Material, MaterialVariable, Options, POISSON_RATIO, Range, YOUNG_MODULUS, check,
 };
 pub use neo_hookean::NeoHookean;
+pub use newtonian::{BULK_MODULUS, DYNAMIC_VISCOSITY, NewtonianFluid};
 pub use plane_stress::PlaneStress;
 pub use tensor::{Tangent, Voigt};
 

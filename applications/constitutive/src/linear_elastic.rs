@@ -16,8 +16,8 @@
 use nalgebra::Matrix3;
 
 use crate::{
-    ConstitutiveLaw, DENSITY, Deformation, Fault, Kinematics, LameParameters, LawEntry, LawError, Material,
-    MaterialVariable, POISSON_RATIO, Tangent, Voigt, YOUNG_MODULUS,
+    ConstitutiveLaw, DENSITY, Deformation, Fault, Hypoelastic, Kinematics, LameParameters, LawEntry, LawError,
+    Material, MaterialVariable, POISSON_RATIO, Tangent, Voigt, YOUNG_MODULUS,
     tensor::{green_lagrange_strain, isotropic_tangent_of, strain_to_voigt, stress_to_voigt, volume_ratio},
 };
 
@@ -39,9 +39,7 @@ pub struct SaintVenantKirchhoff<const PLANE_STRESS: bool> {
 impl<const PLANE_STRESS: bool> SaintVenantKirchhoff<PLANE_STRESS> {
     /// From the Lamé parameters of the three-dimensional solid, with the consistent tangent.
     pub fn from_lame(lame: LameParameters) -> Self {
-        let LameParameters { lambda, mu } = lame;
-        let in_plane = LameParameters { lambda: 2.0 * lambda * mu / (lambda + 2.0 * mu), mu };
-        Self { lame: if PLANE_STRESS { in_plane } else { lame }, material_tangent: false }
+        Self { lame: if PLANE_STRESS { lame.of_plane_stress() } else { lame }, material_tangent: false }
     }
 
     /// Projector P onto the directions that carry stress: I, or diag(1, 1, 0) in plane stress.
@@ -107,9 +105,13 @@ impl<const PLANE_STRESS: bool> ConstitutiveLaw for SaintVenantKirchhoff<PLANE_ST
 pub(crate) fn entries() -> Vec<LawEntry> {
     use Kinematics::{Axisymmetric, PlaneStrain, PlaneStress, ThreeDimensional, UniaxialStrain};
     vec![
-        LawEntry::of::<LinearElastic>("LinearElasticIsotropic3DLaw", &[ThreeDimensional, UniaxialStrain]),
-        LawEntry::of::<LinearElastic>("LinearElasticIsotropicPlaneStrain2DLaw", &[PlaneStrain]),
-        LawEntry::of::<LinearElastic>("LinearElasticIsotropicAxisym2DLaw", &[Axisymmetric]),
-        LawEntry::of::<LinearElasticPlaneStress>("LinearElasticIsotropicPlaneStress2DLaw", &[PlaneStress]),
+        LawEntry::of::<LinearElastic>("LinearElasticIsotropic3DLaw", &[ThreeDimensional, UniaxialStrain])
+            .explicit::<Hypoelastic<false>>(),
+        LawEntry::of::<LinearElastic>("LinearElasticIsotropicPlaneStrain2DLaw", &[PlaneStrain])
+            .explicit::<Hypoelastic<false>>(),
+        LawEntry::of::<LinearElastic>("LinearElasticIsotropicAxisym2DLaw", &[Axisymmetric])
+            .explicit::<Hypoelastic<false>>(),
+        LawEntry::of::<LinearElasticPlaneStress>("LinearElasticIsotropicPlaneStress2DLaw", &[PlaneStress])
+            .explicit::<Hypoelastic<true>>(),
     ]
 }

@@ -149,6 +149,8 @@ pub struct Options {
     /// Repeat Kratos where it differs from the equations, so that iterations can be compared:
     /// linear elastic laws then return C/J for the tangent.
     pub kratos_exact: bool,
+    /// The solver is explicit: names of linear elastic laws then mean [`crate::Hypoelastic`].
+    pub explicit: bool,
 }
 
 /// A material whose constants have been checked for one law.
@@ -242,6 +244,13 @@ impl LameParameters {
         }
     }
 
+    /// λ* = 2λμ/(λ + 2μ) in the place of λ: Hooke's law in the plane of a solid without stress across.
+    #[must_use]
+    pub fn of_plane_stress(self) -> Self {
+        let Self { lambda, mu } = self;
+        Self { lambda: 2.0 * lambda * mu / (lambda + 2.0 * mu), mu }
+    }
+
     /// Speed of pressure waves √((λ + 2μ)/ρ) (m/s); `density` in kg/m³.
     pub fn pressure_wave_speed(self, density: f64) -> f64 {
         ((self.lambda + 2.0 * self.mu) / density).sqrt()
@@ -317,8 +326,7 @@ mod tests {
     #[test]
     fn a_law_cannot_read_what_it_does_not_declare() {
         let material = properties(&[("DENSITY", Value::Number(1.0)), ("YOUNG_MODULUS", Value::Number(1.0))]);
-        let checked =
-            Material::new(&material, &Options { kratos_exact: false }, &[DENSITY]).map(|m| m.get(YOUNG_MODULUS));
+        let checked = Material::new(&material, &Options::default(), &[DENSITY]).map(|m| m.get(YOUNG_MODULUS));
         assert_eq!(checked, Ok(Err(Fault::Undeclared { name: "YOUNG_MODULUS" })));
     }
 

@@ -3,13 +3,20 @@
 //!
 //! Sulsky, Chen & Schreyer 1994; implicit form after Iaconeta, Larese, Rossi & Oñate 2017.
 
+mod active;
+mod explicit;
+mod grid;
 mod implicit;
+mod inventory;
+mod loads;
 mod materials;
 mod names;
 pub mod points;
 mod processes;
 mod record;
+mod scene;
 mod settings;
+mod solvers;
 pub mod variables;
 
 use bia_kernel::registry::Registry;
@@ -19,6 +26,6 @@ pub fn register(registry: &mut Registry) {
     variables::register(registry);
     names::register(registry);
     *registry.catalogue_mut() = bia_constitutive::catalogue();
-    implicit::register(registry);
+    solvers::register(registry);
     processes::register(registry);
 }

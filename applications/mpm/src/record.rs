@@ -1,6 +1,6 @@
 //! The account of a run, in the layout that Kratos's reference results have.
 
-use crate::implicit::GRID;
+use crate::grid::GRID;
 use crate::points::conditions::PointConditions;
 use crate::points::fields::{CONDITION_VARIABLES, append, append_condition, energies, total_energies};
 use crate::points::{MaterialPoints, Selection};

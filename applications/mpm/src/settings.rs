@@ -1,10 +1,12 @@
-//! `solver_settings` of the implicit solvers, with Kratos's keys and defaults.
+//! `solver_settings` of all solvers, with Kratos's keys and defaults.
 
 use bia_constitutive::Kinematics;
 use bia_kernel::diagnostic::InputErrors;
+use bia_kernel::error::{Error, Failure};
 use bia_kernel::linalg::Method;
 use bia_kernel::model::Table;
 use bia_kernel::parameters::{Key, Kind, Parameters, Range, Settings};
+use bia_kernel::processes::Clock;
 use bia_kernel::solving::linear::{self, Nature};
 use bia_kernel::solving::{Criterion, Newmark, Newton, Tolerances};
 use std::path::{Path, PathBuf};
@@ -24,9 +26,18 @@ const SEARCH: &[Key] = &[
     Key::new("remove_entities_not_found", Kind::Bool, "true", "erase points that leave the grid"),
 ];
 const STEPPING: &[Key] = &[
-    Key::optional("time_step", Kind::Number(Range::POSITIVE), "time step [s]"),
+    Key::optional("time_step", Kind::Any, "time step [s]; explicit also \"auto\""),
     Key::optional("time_step_table", Kind::List, "pairs [time, time step] [s]"),
+    Key::new("courant_number", Kind::Number(COURANT), "0.9", "explicit: share of the stable step that \"auto\" takes"),
+    Key::new(
+        "time_step_policy",
+        Kind::Choice(&["warn", "strict"]),
+        "\"warn\"",
+        "explicit: whether a step above the stable one is a warning or stops the run",
+    ),
 ];
+
+const COURANT: Range = Range { low: 0.0, high: 1.0, low_open: true, text: "a number above 0 and at most 1" };
 
 /// Keys of `solver_settings`.
 pub const KEYS: &[Key] = &[
@@ -35,8 +46,32 @@ pub const KEYS: &[Key] = &[
     Key::required("domain_size", Kind::Integer { min: 1 }, "dimension of space: 1, 2 or 3"),
     Key::new("echo_level", Kind::Integer { min: 0 }, "0", "ignored: --quiet and the log level rule"),
     Key::new("analysis_type", Kind::Choice(&["non_linear", "linear"]), "\"non_linear\"", "Newton, or one solve a step"),
-    Key::new("time_integration_method", Kind::Choice(&["implicit"]), "\"implicit\"", "dynamic: implicit"),
-    Key::new("scheme_type", Kind::Choice(&["newmark", "bossak", "quasi_static"]), "\"bossak\"", "dynamic: time scheme"),
+    Key::new(
+        "time_integration_method",
+        Kind::Choice(&["implicit", "explicit"]),
+        "\"implicit\"",
+        "dynamic: implicit or explicit",
+    ),
+    Key::optional(
+        "scheme_type",
+        Kind::Choice(&["newmark", "bossak", "quasi_static", "forward_euler", "central_difference"]),
+        "dynamic: time scheme, by default bossak if implicit and central_difference if explicit",
+    ),
+    Key::new(
+        "stress_update",
+        Kind::Choice(&["usf", "usl", "musl"]),
+        "\"usf\"",
+        "forward_euler: update stress first, last, or last with velocities of the moved points",
+    ),
+    Key::new("is_fix_explicit_mp_on_grid_edge", Kind::Bool, "false", "explicit: move points off the edges of cells"),
+    Key::new("is_pqmpm", Kind::Bool, "false", "explicit: partitioned quadrature"),
+    Key::new("is_make_normal_mp_if_pqmpm_fails", Kind::Bool, "false", "of the partitioned quadrature"),
+    Key::new(
+        "pqmpm_subpoint_min_volume_fraction",
+        Kind::Number(Range::FRACTION),
+        "0.0",
+        "of the partitioned quadrature",
+    ),
     Key::new("damp_factor_m", Kind::Number(Range::NOT_POSITIVE), "-0.3", "Bossak's alpha"),
     Key::new("newmark_beta", Kind::Number(Range::POSITIVE), "0.25", "Newmark's beta for alpha = 0"),
     Key::new(
@@ -65,7 +100,7 @@ pub const KEYS: &[Key] = &[
     Key::new("compute_reactions", Kind::Bool, "false", "compute REACTION on fixed nodes"),
     Key::new("pressure_dofs", Kind::Bool, "false", "mixed displacement-pressure formulation"),
     Key::new("stabilization", Kind::Choice(&["ppp", "none", "asgs", "osgs"]), "\"ppp\"", "of the mixed formulation"),
-    Key::new("compressible", Kind::Bool, "true", "explicit solver: volume follows the deformation"),
+    Key::new("compressible", Kind::Bool, "true", "explicit: the volume follows the deformation"),
     Key::new("axis_symmetric_flag", Kind::Bool, "false", "axisymmetric about the y axis, x is the radius"),
     Key::new("consistent_mass_matrix", Kind::Bool, "false", "consistent instead of lumped mass"),
     Key::new("block_builder", Kind::Bool, "true", "accepted; both give the same result"),
@@ -129,6 +164,53 @@ pub enum Stepping {
     Constant(f64),
     /// Interpolated at the time at which the step begins.
     Table(Table),
+    /// This share of the stable step of an explicit scheme.
+    Courant(f64),
+}
+
+impl Stepping {
+    /// The step that begins now, given the stable one (infinite if there is none), in seconds.
+    ///
+    /// # Errors
+    /// It does not advance the time.
+    pub fn step(&self, clock: &Clock, stable: f64) -> Result<f64, Error> {
+        let step = match self {
+            Stepping::Constant(step) => *step,
+            Stepping::Table(table) => table.value(clock.time),
+            Stepping::Courant(share) => share * stable,
+        };
+        if step > 0.0 && clock.time + step > clock.time {
+            return Ok(step);
+        }
+        let what = format!("the time step {step:?} does not advance the time {:?}", clock.time);
+        Err(Failure::new(what, "a positive time step, also beyond the ends of the table").into())
+    }
+}
+
+/// When the stress follows the grid's velocity, and which velocity that is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Scheme {
+    /// Forward Euler, stress before the forces (Bardenhagen 2002, update stress first).
+    UpdateStressFirst,
+    /// Forward Euler, stress after the points have moved.
+    UpdateStressLast,
+    /// As before, with the velocity of the moved points (Sulsky, Zhou & Schreyer 1995).
+    ModifiedUpdateStressLast,
+    /// Staggered velocities half a step ahead; stress before the forces.
+    CentralDifference,
+}
+
+/// What explicit runs alone have.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ExplicitSettings {
+    /// Time scheme.
+    pub scheme: Scheme,
+    /// Volume and density follow the deformation; else they stay as they were.
+    pub compressible: bool,
+    /// Points are moved off the edges of cells.
+    pub leave_edges: bool,
+    /// A step above the stable one stops the run.
+    pub strict: bool,
 }
 
 /// Checked settings.
@@ -141,6 +223,8 @@ pub struct SolverSettings {
     pub dimension: usize,
     /// Regime.
     pub regime: Regime,
+    /// Explicit dynamics; none if implicit.
+    pub explicit: Option<ExplicitSettings>,
     /// Time scheme of dynamics.
     pub newmark: Newmark,
     /// Weight of the new acceleration in the points' velocity.
@@ -196,7 +280,9 @@ impl SolverSettings {
             "quasi_static" => Regime::QuasiStatic,
             _ => Regime::Dynamic,
         };
-        let stepping = errors.absorb(stepping(&s));
+        let is_explicit = regime == Regime::Dynamic && s.text("time_integration_method") == "explicit";
+        check_scheme(&s, is_explicit, &mut errors);
+        let stepping = errors.absorb(stepping(&s, is_explicit));
         let grid = errors.absorb(mesh(&s, "grid_model_import_settings", folder));
         let bodies = errors.absorb(mesh(&s, "model_import_settings", folder));
         let materials = errors.absorb(materials(&s, folder));
@@ -209,6 +295,7 @@ impl SolverSettings {
             axisymmetric,
             dimension,
             regime,
+            explicit: is_explicit.then(|| explicit(&s)),
             newmark: newmark(&s),
             point_gamma: if s.text("point_velocity_rule") == "scheme" { newmark(&s).gamma() } else { 0.5 },
             newton: newton(&s),
@@ -248,8 +335,47 @@ impl SolverSettings {
 }
 
 fn newmark(s: &Settings) -> Newmark {
-    let alpha = if s.text("scheme_type") == "bossak" { s.number("damp_factor_m") } else { 0.0 };
+    let alpha = if scheme_name(s).is_none_or(|name| name == "bossak") { s.number("damp_factor_m") } else { 0.0 };
     Newmark { alpha, beta: s.number("newmark_beta") }
+}
+
+fn scheme_name(s: &Settings) -> Option<&str> {
+    s.given("scheme_type").then(|| s.text("scheme_type"))
+}
+
+/// Schemes of the other method, and what this build does not have.
+fn check_scheme(s: &Settings, is_explicit: bool, errors: &mut InputErrors) {
+    let explicit_schemes = ["forward_euler", "central_difference"];
+    if let Some(name) = scheme_name(s)
+        && explicit_schemes.contains(&name) != is_explicit
+    {
+        let help = if is_explicit {
+            "explicit: forward_euler or central_difference"
+        } else {
+            "for forward_euler and central_difference set solver_type \"dynamic\" and time_integration_method \"explicit\""
+        };
+        let method = if is_explicit { "explicit" } else { "implicit" };
+        errors.push(s.error("scheme_type", format!("{name:?} is no {method} scheme")).help(help));
+    }
+    if s.flag("is_pqmpm") {
+        let help = "set is_pqmpm to false: each point then belongs to one cell";
+        errors.push(s.error("is_pqmpm", "the partitioned quadrature is not part of this build").help(help));
+    }
+}
+
+fn explicit(s: &Settings) -> ExplicitSettings {
+    let scheme = match (scheme_name(s), s.text("stress_update")) {
+        (Some("forward_euler"), "usl") => Scheme::UpdateStressLast,
+        (Some("forward_euler"), "musl") => Scheme::ModifiedUpdateStressLast,
+        (Some("forward_euler"), _) => Scheme::UpdateStressFirst,
+        _ => Scheme::CentralDifference,
+    };
+    ExplicitSettings {
+        scheme,
+        compressible: s.flag("compressible"),
+        leave_edges: s.flag("is_fix_explicit_mp_on_grid_edge"),
+        strict: s.nested("time_stepping").is_some_and(|nested| nested.text("time_step_policy") == "strict"),
+    }
 }
 
 fn newton(s: &Settings) -> Newton {
@@ -268,7 +394,7 @@ fn newton(s: &Settings) -> Newton {
     Newton { max_iterations: s.integer("max_iteration") as usize, criterion: (!linear).then_some(criterion) }
 }
 
-fn stepping(s: &Settings) -> Result<Stepping, InputErrors> {
+fn stepping(s: &Settings, is_explicit: bool) -> Result<Stepping, InputErrors> {
     let Some(nested) = s.nested("time_stepping") else {
         return Err(s.error("time_stepping", "must be an object").into());
     };
@@ -276,8 +402,13 @@ fn stepping(s: &Settings) -> Result<Stepping, InputErrors> {
         let message = "names both \"time_step\" and \"time_step_table\"";
         return Err(s.error("time_stepping", message).help("keep one of them").into());
     }
-    if nested.given("time_step") {
-        return Ok(Stepping::Constant(nested.number("time_step")));
+    if let Some(given) = nested.get("time_step") {
+        return match (given.value().as_f64(), given.value().as_str()) {
+            (Some(step), _) if step > 0.0 && step.is_finite() => Ok(Stepping::Constant(step)),
+            (_, Some("auto")) if is_explicit => Ok(Stepping::Courant(nested.number("courant_number"))),
+            (_, Some("auto")) => Err(given.error("\"auto\" is for explicit runs; name a time step in seconds").into()),
+            _ => Err(given.error("must be a number above 0, or \"auto\" in explicit runs").into()),
+        };
     }
     let Some(list) = nested.get("time_step_table") else {
         let message = "names neither \"time_step\" nor \"time_step_table\"";

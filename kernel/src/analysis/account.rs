@@ -95,10 +95,18 @@ pub struct RecordPlan {
     pub threads: usize,
 }
 
+/// When states are written.
+enum Due {
+    /// After these steps.
+    Steps(Vec<usize>),
+    /// When the run has passed the next of equal shares of its time, if its steps are not known.
+    Times { next: f64, share: f64 },
+}
+
 /// Writes states while the run goes on: to a partial file that takes its name when it is whole.
 pub(super) struct Recorder {
     plan: RecordPlan,
-    steps: Vec<usize>,
+    due: Due,
     partial: PathBuf,
     file: BufWriter<File>,
     states: usize,
@@ -116,11 +124,18 @@ impl Drop for Recorder {
 }
 
 impl Recorder {
-    pub(super) fn new(plan: RecordPlan, total: usize) -> Result<Self, Error> {
+    pub(super) fn new(plan: RecordPlan, planned: Option<usize>, clock: &Clock) -> Result<Self, Error> {
         let n = plan.states.max(1);
-        let mut steps: Vec<usize> =
-            (1..=n).map(|k| round_half_to_even(k as f64 * total as f64 / n as f64).max(1)).collect();
-        steps.push(total);
+        let due = match planned {
+            Some(total) => {
+                let step = |k: usize| round_half_to_even(k as f64 * total as f64 / n as f64).max(1);
+                Due::Steps((1..=n).map(step).chain([total]).collect())
+            }
+            None => {
+                let share = (clock.end - clock.start) / n as f64;
+                Due::Times { next: clock.start + share, share }
+            }
+        };
         let mut partial = plan.path.clone();
         partial.as_mut_os_string().push(".partial");
         let open = File::create(&partial).and_then(|file| {
@@ -128,13 +143,23 @@ impl Recorder {
             file.write_all(b"{\"snapshots\":[").map(|()| file)
         });
         match open {
-            Ok(file) => Ok(Self { plan, steps, partial, file, states: 0, whole: false }),
+            Ok(file) => Ok(Self { plan, due, partial, file, states: 0, whole: false }),
             Err(source) => Err(Error::Write { path: plan.path, source }),
         }
     }
 
     pub(super) fn observe(&mut self, clock: &Clock, solver: &dyn Solver, model: &Model) -> Result<(), Error> {
-        if clock.step > 0 && !self.steps.contains(&clock.step) {
+        let due = match &mut self.due {
+            Due::Steps(steps) => steps.contains(&clock.step),
+            Due::Times { next, share } => {
+                let due = clock.time >= next.min(clock.end);
+                while clock.time >= *next && *share > 0.0 {
+                    *next += *share;
+                }
+                due
+            }
+        };
+        if clock.step > 0 && !due {
             return Ok(());
         }
         let separator: &[u8] = if self.states > 0 { b"," } else { b"" };

@@ -119,6 +119,9 @@ impl Analysis {
     /// Steps that the run will take, if the step depends on nothing but the time.
     pub fn planned_steps(&mut self) -> Option<usize> {
         const MOST: usize = 50_000_000;
+        if !self.solver.plans_steps() {
+            return None;
+        }
         let mut clock = self.clock;
         while clock.time < clock.end {
             let step = self.solver.time_step(&self.model, &clock).ok()?;
@@ -136,7 +139,7 @@ impl Analysis {
     /// A numerical failure (after saving the state), or a file that cannot be written.
     pub fn run(&mut self, observer: &mut dyn Observer, record: Option<RecordPlan>) -> Result<Account, Error> {
         let planned = self.planned_steps();
-        let mut recorder = record.map(|plan| Recorder::new(plan, planned.unwrap_or(0))).transpose()?;
+        let mut recorder = record.map(|plan| Recorder::new(plan, planned, &self.clock)).transpose()?;
         let mut account = Account::start();
         match self.run_loop(observer, planned, &mut recorder, &mut account) {
             Ok(()) => {}

@@ -55,6 +55,12 @@ pub trait Solver: Send {
     /// A step that is not positive.
     fn time_step(&mut self, model: &Model, clock: &Clock) -> Result<f64, Error>;
 
+    /// Whether [`time_step`](Self::time_step) depends on the time alone, so that the number of steps
+    /// can be told before the run.
+    fn plans_steps(&self) -> bool {
+        true
+    }
+
     /// Search, reset of the grid, transfer to it, prediction.
     ///
     /// # Errors

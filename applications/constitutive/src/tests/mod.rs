@@ -11,8 +11,8 @@ use nalgebra::{DMatrix, Matrix3, Matrix6, Rotation3, Vector3};
 use crate::tensor::{stress_from_voigt, stress_to_voigt};
 use crate::verify::{stress_from_energy, tangent_from_stress};
 use crate::{
-    ConstitutiveLaw, Deformation, Kinematics, LameParameters, LinearElastic, LinearElasticPlaneStress, MaterialPlaces,
-    NeoHookean, Options, PlaneStress, Response, Tangent, Voigt, Want, catalogue,
+    ConstitutiveLaw, Deformation, Kinematics, LameParameters, LawEntry, LinearElastic, LinearElasticPlaneStress,
+    MaterialPlaces, NeoHookean, Options, PlaneStress, Response, Tangent, Voigt, Want, YOUNG_MODULUS, catalogue,
 };
 
 const ALL: &[usize] = &[0, 1, 2, 3, 4, 5];
@@ -142,7 +142,7 @@ fn material(law: &str, young: f64, poisson: f64) -> Properties {
 }
 
 fn build(law: &str, young: f64, poisson: f64, kinematics: Kinematics, kratos_exact: bool) -> Box<dyn crate::Law> {
-    let options = Options { kratos_exact };
+    let options = Options { kratos_exact, ..Options::default() };
     catalogue().build(&material(law, young, poisson), kinematics, &options, &MaterialPlaces::default()).unwrap()
 }
 
@@ -169,7 +169,9 @@ fn every_entry_is_hookes_law_at_small_strain() {
     let (young, poisson) = (2.0e11, 0.3);
     let h = Matrix3::new(0.3, 0.8, -0.2, 0.1, -0.6, 0.5, 0.4, -0.7, 0.9);
     let size = 2.0_f64.powi(-30);
-    for entry in catalogue().entries() {
+    // The constants of solids are all that this test has.
+    let solid = |entry: &&LawEntry| entry.variables.iter().any(|variable| variable.name == YOUNG_MODULUS.name);
+    for entry in catalogue().entries().iter().filter(solid) {
         for &kinematics in entry.kinematics {
             let law = build(entry.name, young, poisson, kinematics, false);
             let components = kinematics.voigt();

@@ -7,7 +7,7 @@
 //! - residual  R_ia = N_i m g_a − V Σ_b ∂_b N_i σ_ab;
 //! - tangent   K_ia,jb = V (B_iᵀ c B_j)_ab + V (∇N_i · σ ∇N_j) δ_ab.
 
-use crate::points::Block;
+use crate::points::{Block, law_failure};
 use bia_constitutive::{Deformation, Kinematics, Response, Want};
 use bia_kernel::error::Failure;
 use bia_kernel::geometry::{CellShape, physical_gradients};
@@ -298,31 +298,13 @@ fn gather_states(block: &Block, run: &[(u32, u32)]) -> Vec<f64> {
     run.iter().flat_map(|&(_, point)| block.state.row(point as usize)).copied().collect()
 }
 
-fn position(block: &Block, point: usize) -> [f64; 3] {
-    let row = block.position.row(point);
-    std::array::from_fn(|i| row.get(i).copied().unwrap_or(0.0))
-}
-
 fn inverted(block: &Block, point: usize, relative: &Matrix3<f64>) -> Failure {
     Failure::new(
         "the deformation of this step turns a material point inside out",
         "a smaller time step, smaller loads per step, or a finer grid",
     )
-    .at(format!("material point {}", block.ids[point]), position(block, point))
+    .at(format!("material point {}", block.ids[point]), block.coordinates(point))
     .detail(format!("J of this step = {:e}", relative.determinant()))
     .detail(format!("J before this step = {:e}", block.deformation_gradient(point).determinant()))
     .detail(format!("law: {}", block.law.name()))
-}
-
-/// A law's refusal as a failure of the run.
-pub fn law_failure(
-    block: &Block,
-    point: usize,
-    gradient: &Matrix3<f64>,
-    error: &bia_constitutive::LawError,
-) -> Failure {
-    Failure::new(format!("the law {} has no answer: {error}", block.law.name()), "a smaller time step or smaller loads")
-        .at(format!("material point {}", block.ids[point]), position(block, point))
-        .detail(format!("deformation gradient: {:?}", gradient.transpose().as_slice()))
-        .detail(format!("J = {:e}", gradient.determinant()))
 }

@@ -1,48 +1,30 @@
 //! The implicit solver: static, quasi-static, Newmark and Bossak dynamics (spec 03).
 
-mod active;
 mod element;
 mod forgiving;
-mod inventory;
-mod loads;
 mod problem;
-mod setup;
 mod transfer;
 
-use crate::points::MaterialPoints;
-use crate::settings::{Regime, SolverSettings, Stepping};
+use crate::active::{ActiveCells, active_dofs};
+use crate::grid::{GRID, write_nodal};
+use crate::points::{Columns, MaterialPoints};
+use crate::scene::{Scene, move_conditions, with_points};
+use crate::settings::{Regime, SolverSettings};
 use crate::variables::{ACCELERATION, DISPLACEMENT, NODAL_MASS, REACTION, VELOCITY};
-use active::{ActiveCells, active_dofs, search, system};
-use bia_constitutive::Catalogue;
 use bia_kernel::diagnostic::InputErrors;
-use bia_kernel::error::{Error, Failure};
-use bia_kernel::geometry::CellLocator;
+use bia_kernel::error::Error;
 use bia_kernel::io::json::JsonObject;
-use bia_kernel::linalg::LinearSolver;
-use bia_kernel::model::{Model, ModelPart};
+use bia_kernel::linalg::{LinearSolver, solver};
+use bia_kernel::model::{Cells, Model, ModelPart};
 use bia_kernel::processes::{Clock, Context, Location, Process, Requirements, ResetNodes, RunOptions};
-use bia_kernel::registry::{Registry, SolverEntry};
+use bia_kernel::registry::Registry;
 use bia_kernel::solving::solver::{Inventory, Solver};
 use bia_kernel::solving::{ActiveDofs, Criterion, NonlinearSystem, StepReport, System};
+use forgiving::Forgiving;
 use problem::{Inertia, Problem};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use transfer::{NodalResults, NodalSums, update_points};
-
-/// Name of the root part of the grid.
-pub const GRID: &str = "Background_Grid";
-
-/// Registers the solver.
-pub fn register(registry: &mut Registry) {
-    registry.solver(SolverEntry {
-        types: &["static", "quasi_static", "dynamic"],
-        help: "implicit material point method, updated Lagrangian",
-        build: |parameters, _, options| {
-            let settings = SolverSettings::read(parameters, &options.folder)?;
-            Ok(Box::new(Implicit::new(settings, options.clone())))
-        },
-    });
-}
 
 /// Nodal variables that are written to the grid's columns because someone reads them.
 #[derive(Default, Clone, Copy)]
@@ -56,7 +38,6 @@ struct NodalOutput {
 /// What the log has been told once.
 #[derive(Default, Clone, Copy)]
 struct Told {
-    loss: bool,
     linear: bool,
     fall_back: bool,
     imposed: bool,
@@ -64,11 +45,7 @@ struct Told {
 
 /// The solver with what it keeps from step to step.
 pub struct Implicit {
-    settings: SolverSettings,
-    options: RunOptions,
-    catalogue: Catalogue,
-    materials: Vec<crate::materials::Material>,
-    locator: Option<CellLocator>,
+    scene: Scene,
     linear: Option<Box<dyn LinearSolver>>,
     active: ActiveCells,
     dofs: ActiveDofs,
@@ -92,14 +69,11 @@ const LINEAR: usize = 3;
 const TO_POINTS: usize = 4;
 
 impl Implicit {
-    fn new(settings: SolverSettings, options: RunOptions) -> Self {
+    /// The solver of these settings.
+    pub fn new(settings: SolverSettings, options: RunOptions) -> Self {
         let stages = ["search", "points to grid", "assembly", "linear solver", "grid to points"];
         Self {
-            settings,
-            options,
-            catalogue: Catalogue::default(),
-            materials: Vec::new(),
-            locator: None,
+            scene: Scene::new(settings, options),
             linear: None,
             active: ActiveCells::default(),
             dofs: ActiveDofs::default(),
@@ -117,29 +91,12 @@ impl Implicit {
     }
 
     fn dynamic(&self) -> bool {
-        self.settings.regime == Regime::Dynamic
+        self.scene.settings.regime == Regime::Dynamic
     }
 
     /// Finds the points' cells and numbers the dofs; keeps the system while the cells stay the same.
     fn update_active(&mut self, points: &mut MaterialPoints, grid: &ModelPart) -> Result<(), Error> {
-        let Some(locator) = &self.locator else { return Ok(()) };
-        let lost = search(points, locator, self.settings.erase_lost)?;
-        if lost > 0 && !self.told.loss {
-            tracing::warn!("{lost} material points left the grid and were erased; more are counted in the summary");
-            self.told.loss = true;
-        }
-        let conditions = &mut points.conditions;
-        for i in 0..conditions.len() {
-            match locator.locate(conditions.position[i], Some(conditions.cell[i])) {
-                Some((cell, xi)) => (conditions.cell[i], conditions.local[i]) = (cell, xi),
-                None => {
-                    let advice = "a larger grid";
-                    let failure = Failure::new("a material-point condition has left the grid", advice);
-                    let name = format!("material-point condition {}", conditions.ids[i]);
-                    return Err(failure.at(name, conditions.position[i]).into());
-                }
-            }
-        }
+        self.scene.search(points)?;
         let before = std::mem::take(&mut self.active.cells);
         self.active.gather(&points.blocks, &[], grid.elements.len());
         if before != self.active.cells || self.system.is_none() {
@@ -164,9 +121,9 @@ impl Implicit {
                 values.iter().enumerate().map(at).collect()
             };
             Inertia {
-                coefficients: self.settings.newmark.coefficients(time_step),
-                alpha: self.settings.newmark.alpha,
-                consistent: self.settings.consistent_mass,
+                coefficients: self.scene.settings.newmark.coefficients(time_step),
+                alpha: self.scene.settings.newmark.alpha,
+                consistent: self.scene.settings.consistent_mass,
                 velocity: divided(&self.sums.momentum),
                 acceleration: divided(&self.sums.inertia),
             }
@@ -182,19 +139,19 @@ impl Implicit {
         let count = grid.nodes.len();
         let fixed = grid.node_fields.fixed(&DISPLACEMENT).map_or(Vec::new(), <[_]>::to_vec);
         let values = grid.node_fields.vector_mut(&DISPLACEMENT, count);
-        if self.settings.regime != Regime::Static {
+        if self.scene.settings.regime != Regime::Static {
             for (node, value) in values.iter_mut().enumerate() {
                 for a in 0..3 {
                     let held = fixed.get(node).is_some_and(|fixed| fixed[a]);
                     let kratos = if held { self.previous[node][a] } else { 0.0 };
-                    if held && value[a] != kratos && !self.options.kratos_exact && !self.told.imposed {
+                    if held && value[a] != kratos && !self.scene.options.kratos_exact && !self.told.imposed {
                         self.told.imposed = true;
                         tracing::info!(
                             "imposed displacements change in time and act; Kratos 10.4.4 keeps those of the start \
                              (--kratos-exact does, too)"
                         );
                     }
-                    if !held || self.options.kratos_exact {
+                    if !held || self.scene.options.kratos_exact {
                         value[a] = kratos;
                     }
                 }
@@ -219,7 +176,7 @@ impl Implicit {
         let count = grid.nodes.len();
         let column = grid.node_fields.scalar_mut(&NODAL_MASS, count);
         // Kratos's static solver never resets NODAL_MASS.
-        if !(self.options.kratos_exact && self.settings.regime == Regime::Static) {
+        if !(self.scene.options.kratos_exact && self.scene.settings.regime == Regime::Static) {
             column.fill(0.0);
         }
         for (number, &node) in self.dofs.nodes().iter().enumerate() {
@@ -236,19 +193,10 @@ impl Implicit {
             sums: &self.sums,
             inertia: self.inertia.as_ref(),
             time_step,
-            kratos_exact: self.options.kratos_exact,
+            kratos_exact: self.scene.options.kratos_exact,
             arch: self.arch,
             increments: self.increments.clone(),
             assembled: self.increments.clone(),
-        }
-    }
-
-    /// Writes a vector over the active dofs to a column of the grid.
-    fn write_nodal(&self, grid: &mut ModelPart, variable: &bia_kernel::variables::Variable, values: &[f64]) {
-        let (count, block) = (grid.nodes.len(), self.dofs.block());
-        let column = grid.node_fields.vector_mut(variable, count);
-        for (number, &node) in self.dofs.nodes().iter().enumerate() {
-            column[node as usize][..block].copy_from_slice(&values[number * block..(number + 1) * block]);
         }
     }
 
@@ -262,24 +210,8 @@ impl Implicit {
         result?;
         let count = grid.nodes.len();
         grid.node_fields.vector_mut(&REACTION, count).fill([0.0; 3]);
-        self.write_nodal(grid, &REACTION, &reactions);
+        write_nodal(grid, &self.dofs, &REACTION, &reactions);
         Ok(())
-    }
-
-    /// Lets the solver work on the points and the grid together.
-    fn with_points<T>(
-        &mut self,
-        model: &mut Model,
-        work: impl FnOnce(&mut Self, &mut MaterialPoints, &mut ModelPart) -> Result<T, Error>,
-    ) -> Result<T, Error> {
-        let missing = || Failure::new("the solver was not initialised", "report this as a fault of Bia");
-        let mut points = model.take::<MaterialPoints>().ok_or_else(missing)?;
-        let result = match model.part_mut(GRID) {
-            Some(grid) => work(self, &mut points, grid),
-            None => Err(missing().into()),
-        };
-        model.put(points);
-        result
     }
 
     fn timed<T>(&mut self, stage: usize, work: impl FnOnce(&mut Self) -> T) -> T {
@@ -292,12 +224,12 @@ impl Implicit {
 
 impl Solver for Implicit {
     fn import(&mut self, model: &mut Model, registry: &Registry) -> Result<(), InputErrors> {
-        self.import_model(model, registry)
+        self.scene.import(model, registry)
     }
 
     fn processes(&self) -> Vec<Box<dyn Process>> {
         // In statics each step starts from the increments of the last one, as in Kratos.
-        match self.settings.regime {
+        match self.scene.settings.regime {
             Regime::Static => Vec::new(),
             _ => vec![Box::new(ResetNodes { part: GRID, variables: vec![DISPLACEMENT] })],
         }
@@ -309,13 +241,18 @@ impl Solver for Implicit {
             mass: requirements.record || wants("NODAL_MASS"),
             velocity: wants("VELOCITY"),
             acceleration: wants("ACCELERATION"),
-            reaction: self.settings.reactions || (wants("REACTION") && !self.options.kratos_exact),
+            reaction: self.scene.settings.reactions || (wants("REACTION") && !self.scene.options.kratos_exact),
         };
-        self.make_points(model, requirements)
+        let needed = Columns { motion: self.dynamic(), ..Columns::default() };
+        let symmetric = self.scene.make_points(model, requirements, needed)?;
+        let linear = solver(self.scene.settings.linear_method(symmetric)?);
+        let forgives = symmetric && self.scene.options.kratos_exact;
+        self.linear = Some(if forgives { Box::new(Forgiving::new(linear)) } else { linear });
+        Ok(())
     }
 
     fn before_solution_loop(&mut self, context: &mut Context) -> Result<(), Error> {
-        if let Some(grid) = context.model.part_mut(GRID).filter(|_| self.settings.regime != Regime::Static) {
+        if let Some(grid) = context.model.part_mut(GRID).filter(|_| self.scene.settings.regime != Regime::Static) {
             let count = grid.nodes.len();
             self.previous = grid.node_fields.vector_mut(&DISPLACEMENT, count).to_vec();
         }
@@ -323,20 +260,13 @@ impl Solver for Implicit {
     }
 
     fn time_step(&mut self, _: &Model, clock: &Clock) -> Result<f64, Error> {
-        let step = match &self.settings.stepping {
-            Stepping::Constant(step) => *step,
-            Stepping::Table(table) => table.value(clock.time),
-        };
-        if step > 0.0 && clock.time + step > clock.time {
-            return Ok(step);
-        }
-        let what = format!("the time step {step:?} does not advance the time {:?}", clock.time);
-        Err(Failure::new(what, "a positive time step, also beyond the ends of the table").into())
+        self.scene.settings.stepping.step(clock, f64::INFINITY)
     }
 
     fn predict(&mut self, context: &mut Context) -> Result<(), Error> {
         let time_step = context.clock.time_step;
-        self.with_points(context.model, |this, points, grid| {
+        let this = self;
+        with_points(context.model, |points, grid| {
             this.timed(SEARCH, |this| this.update_active(points, grid))?;
             this.timed(TO_GRID, |this| {
                 this.gather(points, grid, time_step);
@@ -349,12 +279,13 @@ impl Solver for Implicit {
 
     fn solve_solution_step(&mut self, context: &mut Context) -> Result<StepReport, Error> {
         let time_step = context.clock.time_step;
-        self.with_points(context.model, |this, points, grid| {
+        let this = self;
+        with_points(context.model, |points, grid| {
             let (Some(mut system), Some(mut linear)) = (this.system.take(), this.linear.take()) else {
                 return Ok(StepReport::default());
             };
             let mut problem = this.problem(points, grid, time_step);
-            let result = this.settings.newton.solve(&mut problem, &mut system, linear.as_mut());
+            let result = this.scene.settings.newton.solve(&mut problem, &mut system, linear.as_mut());
             let (increments, assembled) = (problem.increments, problem.assembled);
             (this.increments, this.assembled) = (increments, assembled);
             (this.system, this.linear) = (Some(system), Some(linear));
@@ -374,7 +305,8 @@ impl Solver for Implicit {
 
     fn finalize_solution_step(&mut self, context: &mut Context) -> Result<(), Error> {
         let time_step = context.clock.time_step;
-        self.with_points(context.model, |this, points, grid| {
+        let this = self;
+        with_points(context.model, |points, grid| {
             let start = Instant::now();
             if this.output.reaction {
                 this.write_reactions(points, grid, time_step)?;
@@ -383,8 +315,8 @@ impl Solver for Implicit {
             let accelerations = this.inertia.as_ref().map_or(Vec::new(), |i| i.final_acceleration(&increments));
             // With the displacement criterion, or one solve a step, Kratos shows the volume of the
             // last assembly, one correction behind.
-            let lags = !this.settings.newton.criterion.as_ref().is_some_and(Criterion::needs_residual);
-            let of_volume = if lags && this.options.kratos_exact { &this.assembled } else { &increments };
+            let lags = !this.scene.settings.newton.criterion.as_ref().is_some_and(Criterion::needs_residual);
+            let of_volume = if lags && this.scene.options.kratos_exact { &this.assembled } else { &increments };
             let nodal = NodalResults {
                 grid,
                 dofs: &this.dofs,
@@ -392,21 +324,21 @@ impl Solver for Implicit {
                 increments_of_volume: of_volume,
                 accelerations: &accelerations,
                 time_step,
-                gamma: this.settings.point_gamma,
-                least_function: this.options.kratos_exact.then_some(f64::EPSILON),
+                gamma: this.scene.settings.point_gamma,
+                least_function: this.scene.options.kratos_exact.then_some(f64::EPSILON),
             };
             update_points(points, &nodal)?;
             let least = nodal.least_function;
             let velocities = this.inertia.as_ref().map_or(Vec::new(), |i| i.final_velocity(&increments));
-            setup::move_conditions(&mut points.conditions, grid, &this.dofs, [&increments, &velocities], least);
-            this.write_nodal(grid, &DISPLACEMENT, &increments);
+            move_conditions(&mut points.conditions, grid, &this.dofs, [&increments, &velocities], least);
+            write_nodal(grid, &this.dofs, &DISPLACEMENT, &increments);
             if this.output.velocity && this.dynamic() {
-                this.write_nodal(grid, &VELOCITY, &velocities);
+                write_nodal(grid, &this.dofs, &VELOCITY, &velocities);
             }
             if this.output.acceleration && this.dynamic() {
-                this.write_nodal(grid, &ACCELERATION, &accelerations);
+                write_nodal(grid, &this.dofs, &ACCELERATION, &accelerations);
             }
-            if this.options.kratos_exact && this.settings.regime != Regime::Static {
+            if this.scene.options.kratos_exact && this.scene.settings.regime != Regime::Static {
                 let count = grid.nodes.len();
                 this.previous.copy_from_slice(grid.node_fields.vector_mut(&DISPLACEMENT, count));
             }
@@ -417,11 +349,11 @@ impl Solver for Implicit {
     }
 
     fn inventory(&self, model: &Model) -> Inventory {
-        self.count(model)
+        self.scene.inventory(model)
     }
 
     fn energies(&self, model: &Model) -> Vec<(&'static str, f64)> {
-        inventory::energies(model)
+        crate::inventory::energies(model)
     }
 
     fn account(&self, model: &Model) -> serde_json::Map<String, serde_json::Value> {
@@ -437,6 +369,17 @@ impl Solver for Implicit {
     }
 
     fn save_state(&self, model: &Model, folder: &Path) -> Result<Vec<PathBuf>, Error> {
-        inventory::save_state(model, folder)
+        crate::inventory::save_state(model, folder)
     }
+}
+
+/// The system that couples the nodes of each active cell.
+fn system(grid: &Cells, cells: &[u32], dofs: &ActiveDofs) -> System {
+    let (mut numbers, mut starts) = (Vec::new(), vec![0]);
+    for &cell in cells {
+        let of_cell = grid.nodes_of(cell as usize).iter().filter_map(|&node| dofs.number(node));
+        numbers.extend(of_cell.map(|number| number as u32));
+        starts.push(numbers.len() as u32);
+    }
+    System::new(dofs.block(), dofs.nodes().len(), numbers, starts)
 }

@@ -1,9 +1,10 @@
 //! One step as a nonlinear system: residual and tangent over the active nodes.
 
-use super::active::ActiveCells;
 use super::element::{CellState, CellTask, Integrator};
-use super::loads::Loads;
-use super::transfer::{NodalSums, corners, nodal_vectors, with_shape};
+use super::transfer::NodalSums;
+use crate::active::ActiveCells;
+use crate::grid::{corners, nodal_vectors, with_shape};
+use crate::loads::Loads;
 use crate::points::MaterialPoints;
 use bia_kernel::error::{Error, Failure};
 use bia_kernel::geometry::{Hexahedron8, Line2, Quadrilateral4, Shape, Tetrahedron4, Triangle3};

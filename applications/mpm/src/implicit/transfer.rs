@@ -1,8 +1,9 @@
 //! Transfers between points and grid with the shape functions at the start of the step.
 
-use super::active::{ActiveCells, NO_CELL};
-use super::element::{PointKinematics, law_failure};
-use crate::points::{Block, MaterialPoints, compress};
+use super::element::PointKinematics;
+use crate::active::{ActiveCells, NO_CELL};
+use crate::grid::{corners, nodal_vectors, with_shape};
+use crate::points::{Block, MaterialPoints, compress, law_failure};
 use bia_constitutive::{Deformation, Kinematics, Response, Want};
 use bia_kernel::error::Failure;
 use bia_kernel::geometry::{CellShape, Hexahedron8, Line2, Quadrilateral4, Shape, Tetrahedron4, Triangle3};
@@ -15,47 +16,6 @@ use rayon::prelude::*;
 const SLAB: usize = 4096;
 /// Points a thread takes at a time.
 const GRAIN: usize = 64;
-
-/// Calls a function with the type of a cell's shape: `with_shape!(shape, S, D, N => expression)`.
-/// Shapes that are no solid cells yield the last expression.
-macro_rules! with_shape {
-    ($shape:expr, |$S:ident, $D:ident, $N:ident| $body:expr, else $other:expr) => {
-        match $shape {
-            Shape::Line2 => {
-                type $S = Line2;
-                const $D: usize = 1;
-                const $N: usize = 2;
-                $body
-            }
-            Shape::Triangle3 => {
-                type $S = Triangle3;
-                const $D: usize = 2;
-                const $N: usize = 3;
-                $body
-            }
-            Shape::Quadrilateral4 => {
-                type $S = Quadrilateral4;
-                const $D: usize = 2;
-                const $N: usize = 4;
-                $body
-            }
-            Shape::Tetrahedron4 => {
-                type $S = Tetrahedron4;
-                const $D: usize = 3;
-                const $N: usize = 4;
-                $body
-            }
-            Shape::Hexahedron8 => {
-                type $S = Hexahedron8;
-                const $D: usize = 3;
-                const $N: usize = 8;
-                $body
-            }
-            _ => $other,
-        }
-    };
-}
-pub(super) use with_shape;
 
 /// Sums gathered on the active nodes: mass, and momentum and inertia if points move.
 #[derive(Default)]
@@ -309,26 +269,4 @@ fn store(block: &mut Block, point: usize, update: &Update, nodal: &NodalResults)
         let reference = block.mass.get::<1>(point)[0] / block.density;
         block.volume.set(point, [reference * update.volume_ratio]);
     }
-}
-
-/// Coordinates of a cell's nodes.
-#[inline]
-pub fn corners<const D: usize, const N: usize>(grid: &ModelPart, nodes: &[u32]) -> [[f64; D]; N] {
-    std::array::from_fn(|i| {
-        let x = &grid.nodes.coordinates[nodes[i] as usize];
-        std::array::from_fn(|a| x[a])
-    })
-}
-
-/// Values of a cell's nodes out of a vector over the active dofs; zeros if it is empty.
-#[inline]
-pub fn nodal_vectors<const D: usize, const N: usize>(
-    dofs: &ActiveDofs,
-    nodes: &[u32],
-    values: &[f64],
-) -> [[f64; D]; N] {
-    std::array::from_fn(|i| match dofs.number(nodes[i]) {
-        Some(number) if !values.is_empty() => std::array::from_fn(|a| values[number * D + a]),
-        _ => [0.0; D],
-    })
 }

@@ -1,7 +1,8 @@
 //! Material points as columns, in blocks of one body and one material.
 
 use super::conditions::PointConditions;
-use bia_constitutive::{Kinematics, Law};
+use bia_constitutive::{Kinematics, Law, LawError};
+use bia_kernel::error::Failure;
 use bia_kernel::variables::Column;
 use nalgebra::Matrix3;
 
@@ -203,6 +204,14 @@ pub fn compress(gradient: &Matrix3<f64>, row: &mut [f64]) {
         [a, b, c, d, e] => (*a, *b, *c, *d, *e) = (f(0, 0), f(0, 1), f(1, 0), f(1, 1), f(2, 2)),
         _ => (0..9).for_each(|k| row[k] = f(k / 3, k % 3)),
     }
+}
+
+/// A law's refusal as a failure of the run.
+pub fn law_failure(block: &Block, point: usize, gradient: &Matrix3<f64>, error: &LawError) -> Failure {
+    Failure::new(format!("the law {} has no answer: {error}", block.law.name()), "a smaller time step or smaller loads")
+        .at(format!("material point {}", block.ids[point]), block.coordinates(point))
+        .detail(format!("deformation gradient: {:?}", gradient.transpose().as_slice()))
+        .detail(format!("J = {:e}", gradient.determinant()))
 }
 
 /// One body or all of them.

@@ -33,6 +33,8 @@ pub struct Plan<'a> {
     pub columns: Columns,
     /// Reproduce Kratos to round-off.
     pub kratos_exact: bool,
+    /// Laws are for an explicit solver.
+    pub explicit: bool,
     /// Name of the part of points.
     pub part: &'a str,
     /// The file of the body mesh, for messages; none if a modeler made it.
@@ -182,7 +184,7 @@ fn new_block(plan: &Plan, body: usize, id: u32, element: u32) -> Result<Block, I
         }
         (kinematics, _) => kinematics,
     };
-    let options = Options { kratos_exact: plan.kratos_exact };
+    let options = Options { kratos_exact: plan.kratos_exact, explicit: plan.explicit };
     let law_name = material.parameters.child("Material").and_then(|m| m.child("constitutive_law")?.child("name"));
     let values = value_of(material, None);
     let law = law_name.as_ref().unwrap_or(&material.parameters).place();
@@ -329,7 +331,7 @@ fn finish(block: &mut Block, plan: &Plan) {
     block.velocity = column(dimension, columns.motion);
     block.acceleration = column(dimension, columns.motion);
     block.stress = column(voigt, columns.stress);
-    block.strain = column(voigt, columns.strain);
+    block.strain = column(voigt, columns.strain || block.law.uses_strain());
     block.volume = column(1, columns.volume);
     block.body_acceleration = column(dimension, columns.body_acceleration);
     if columns.volume {

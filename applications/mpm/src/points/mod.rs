@@ -5,5 +5,5 @@ pub mod conditions;
 pub mod fields;
 mod generate;
 
-pub use block::{Block, Columns, MaterialPoints, Selection, compress, gradient_width};
+pub use block::{Block, Columns, MaterialPoints, Selection, compress, expand, gradient_width, law_failure};
 pub use generate::{Plan, generate};

@@ -109,7 +109,7 @@ pub fn check_path(model: &Model, settings: &Settings, path: &str) -> Result<(), 
     let Some(initial) = model.parts().iter().find(|part| part.name.starts_with("Initial_")) else { return Ok(()) };
     let name = initial.name.trim_start_matches("Initial_");
     let (root, below) = path.split_once('.').map_or((path, None), |(root, below)| (root, Some(below)));
-    let is_root = root == name || root == initial.name || root == crate::implicit::GRID;
+    let is_root = root == name || root == initial.name || root == crate::grid::GRID;
     let body = match (is_root, below) {
         (true, None) => return Ok(()),
         (true, Some(below)) => below,

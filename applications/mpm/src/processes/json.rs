@@ -1,7 +1,7 @@
 //! Values of material points and their conditions in time as JSON (spec 07 §8).
 
 use super::acceleration::check_path;
-use crate::implicit::GRID;
+use crate::grid::GRID;
 use crate::points::MaterialPoints;
 use crate::points::fields::{append, append_condition};
 use bia_kernel::diagnostic::InputErrors;

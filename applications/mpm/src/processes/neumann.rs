@@ -1,6 +1,6 @@
 //! Loads on material-point conditions that move with the body (spec 07 §2).
 
-use crate::implicit::GRID;
+use crate::grid::GRID;
 use crate::points::MaterialPoints;
 use crate::points::conditions::{Request, Requests};
 use bia_kernel::diagnostic::InputErrors;

@@ -1,7 +1,7 @@
 //! Material points, their conditions and the background grid as VTK files (spec 07 §9).
 
 use super::acceleration::check_part;
-use crate::implicit::GRID;
+use crate::grid::GRID;
 use crate::points::conditions::PointConditions;
 use crate::points::fields::{CONDITION_VARIABLES, append, append_condition};
 use crate::points::{MaterialPoints, Selection};

@@ -1,18 +1,19 @@
-//! Set-up of the implicit solver: meshes, materials, points, columns; and the motion of conditions.
+//! What all solvers of the application share: meshes, materials, points, columns, the search, and
+//! the motion of conditions.
 
-use super::forgiving::Forgiving;
-use super::{GRID, Implicit};
+use crate::active::search;
+use crate::grid::GRID;
 use crate::points::conditions::{self, PointConditions, Requests};
 use crate::points::{Columns, Plan, fields, generate};
-use crate::settings::{MeshSource, Regime};
+use crate::settings::{MeshSource, Regime, SolverSettings};
 use crate::{materials, points::MaterialPoints};
 use bia_constitutive::Catalogue;
 use bia_kernel::diagnostic::{Diagnostic, InputErrors, Place};
+use bia_kernel::error::{Error, Failure};
 use bia_kernel::geometry::{CellLocator, check_cells};
 use bia_kernel::io::mdpa::{self, Category};
-use bia_kernel::linalg::solver;
 use bia_kernel::model::{Model, ModelPart};
-use bia_kernel::processes::{Location, Requirements};
+use bia_kernel::processes::{Location, Requirements, RunOptions};
 use bia_kernel::registry::Registry;
 use bia_kernel::solving::ActiveDofs;
 use std::path::Path;
@@ -47,8 +48,32 @@ fn check_mesh(part: &ModelPart, dimension: usize, file: Option<&Path>, errors: &
     }
 }
 
-impl Implicit {
-    pub(super) fn import_model(&mut self, model: &mut Model, registry: &Registry) -> Result<(), InputErrors> {
+/// A scene: its settings, its materials and the search on its grid.
+pub struct Scene {
+    /// Settings.
+    pub settings: SolverSettings,
+    /// Choices of the run.
+    pub options: RunOptions,
+    /// Materials.
+    pub materials: Vec<materials::Material>,
+    /// Search on the grid, once it is there.
+    pub locator: Option<CellLocator>,
+    catalogue: Catalogue,
+    told_loss: bool,
+}
+
+impl Scene {
+    /// A scene without meshes.
+    pub fn new(settings: SolverSettings, options: RunOptions) -> Self {
+        let catalogue = Catalogue::default();
+        Self { settings, options, materials: Vec::new(), locator: None, catalogue, told_loss: false }
+    }
+
+    /// Reads meshes and materials.
+    ///
+    /// # Errors
+    /// All faults together.
+    pub fn import(&mut self, model: &mut Model, registry: &Registry) -> Result<(), InputErrors> {
         let initial = format!("Initial_{}", self.settings.part);
         let mut errors = InputErrors::default();
         for (name, source, key) in [
@@ -85,12 +110,22 @@ impl Implicit {
         errors.or(())
     }
 
-    pub(super) fn make_points(&mut self, model: &mut Model, requirements: &Requirements) -> Result<(), InputErrors> {
+    /// Makes the points with the columns that the solver needs and those that processes read. Says
+    /// whether the tangents of all laws are symmetric.
+    ///
+    /// # Errors
+    /// Faults that show only now: of points, conditions, and variables that nobody provides.
+    pub fn make_points(
+        &mut self,
+        model: &mut Model,
+        requirements: &Requirements,
+        needed: Columns,
+    ) -> Result<bool, InputErrors> {
         let initial = format!("Initial_{}", self.settings.part);
-        let columns = self.columns(requirements)?;
+        let columns = needed.or(self.columns(requirements)?);
         let requests = model.extension::<Requests>().cloned().unwrap_or_default();
         let (Some(grid), Some(bodies)) = (model.part(GRID), model.part(&initial)) else {
-            return Ok(());
+            return Ok(true);
         };
         let dimension = self.settings.dimension;
         if let Some(cell) = grid.elements.shapes.iter().position(|shape| shape.dimension() != dimension) {
@@ -110,6 +145,7 @@ impl Implicit {
             dynamic: self.settings.regime == Regime::Dynamic,
             columns,
             kratos_exact: self.options.kratos_exact,
+            explicit: self.settings.explicit.is_some(),
             part: &self.settings.part,
             file: self.settings.bodies.file(),
         };
@@ -117,19 +153,15 @@ impl Implicit {
         let elements = grid.elements.len() + bodies.elements.len() + points.len();
         points.conditions = conditions::generate(grid, &requests, &locator, elements)?;
         let symmetric = points.blocks.iter().all(|block| block.law.is_symmetric());
-        let linear = solver(self.settings.linear_method(symmetric)?);
-        self.linear =
-            Some(if symmetric && self.options.kratos_exact { Box::new(Forgiving::new(linear)) } else { linear });
         tracing::debug!("{}", locator.describe());
         self.locator = Some(locator);
         model.extend(points);
-        Ok(())
+        Ok(symmetric)
     }
 
-    /// The columns that the scheme and the processes need, and nothing else.
+    /// The columns that the processes need, and nothing else.
     fn columns(&self, requirements: &Requirements) -> Result<Columns, InputErrors> {
-        let dynamic = self.settings.regime == Regime::Dynamic;
-        let mut columns = Columns { motion: dynamic, ..Columns::default() };
+        let mut columns = Columns::default();
         let mut errors = InputErrors::default();
         for wanted in &requirements.variables {
             let name = wanted.variable.as_str();
@@ -159,11 +191,55 @@ impl Implicit {
         }
         errors.or(columns)
     }
+
+    /// Finds the cells of points and material-point conditions.
+    ///
+    /// # Errors
+    /// All points, or a condition, have left the grid.
+    pub fn search(&mut self, points: &mut MaterialPoints) -> Result<(), Error> {
+        let Some(locator) = &self.locator else { return Ok(()) };
+        let lost = search(points, locator, self.settings.erase_lost)?;
+        if lost > 0 && !self.told_loss {
+            tracing::warn!("{lost} material points left the grid and were erased; more are counted in the summary");
+            self.told_loss = true;
+        }
+        let conditions = &mut points.conditions;
+        for i in 0..conditions.len() {
+            match locator.locate(conditions.position[i], Some(conditions.cell[i])) {
+                Some((cell, xi)) => (conditions.cell[i], conditions.local[i]) = (cell, xi),
+                None => {
+                    let advice = "a larger grid";
+                    let failure = Failure::new("a material-point condition has left the grid", advice);
+                    let name = format!("material-point condition {}", conditions.ids[i]);
+                    return Err(failure.at(name, conditions.position[i]).into());
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Lets a solver work on the points and the grid together.
+///
+/// # Errors
+/// Those of the work, or there are no points.
+pub fn with_points<T>(
+    model: &mut Model,
+    work: impl FnOnce(&mut MaterialPoints, &mut ModelPart) -> Result<T, Error>,
+) -> Result<T, Error> {
+    let missing = || Failure::new("the solver was not initialised", "report this as a fault of Bia");
+    let mut points = model.take::<MaterialPoints>().ok_or_else(missing)?;
+    let result = match model.part_mut(GRID) {
+        Some(grid) => work(&mut points, grid),
+        None => Err(missing().into()),
+    };
+    model.put(points);
+    result
 }
 
 /// Carries material-point conditions with the grid; `least` as in
-/// [`super::transfer::NodalResults::least_function`].
-pub(super) fn move_conditions(
+/// the field of this name of the implicit solver.
+pub fn move_conditions(
     conditions: &mut PointConditions,
     grid: &ModelPart,
     dofs: &ActiveDofs,
@@ -191,6 +267,6 @@ pub(super) fn move_conditions(
 }
 
 /// The points of a model, if they were made.
-pub(super) fn points_of(model: &Model) -> Option<&MaterialPoints> {
+pub fn points_of(model: &Model) -> Option<&MaterialPoints> {
     model.extension::<MaterialPoints>()
 }

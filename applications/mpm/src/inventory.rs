@@ -1,9 +1,10 @@
 //! What a scene consists of, and its state after a failure.
 
-use super::setup::points_of;
-use super::{GRID, Implicit};
+use crate::active::{ActiveCells, active_dofs};
+use crate::grid::GRID;
 use crate::points::fields::{append, total_energies};
 use crate::points::{Block, MaterialPoints, Selection};
+use crate::scene::{Scene, points_of};
 use bia_kernel::error::Error;
 use bia_kernel::io::dataset::{CellsOf, Dataset, Field, FieldData};
 use bia_kernel::io::vtu::{VtuOptions, write_vtu};
@@ -12,8 +13,9 @@ use bia_kernel::solving::solver::Inventory;
 use bia_kernel::variables::Column;
 use std::path::{Path, PathBuf};
 
-impl Implicit {
-    pub(super) fn count(&self, model: &Model) -> Inventory {
+impl Scene {
+    /// What the scene consists of.
+    pub fn inventory(&self, model: &Model) -> Inventory {
         let mut inventory = Inventory::default();
         let mut line = |what: &str, text: String| inventory.lines.push((what.into(), text));
         let (Some(grid), Some(points)) = (model.part(GRID), points_of(model)) else {
@@ -34,9 +36,9 @@ impl Implicit {
         if !points.conditions.grid.is_empty() {
             line("grid loads", points.conditions.grid.len().to_string());
         }
-        let mut active = super::ActiveCells::default();
+        let mut active = ActiveCells::default();
         active.gather(&points.blocks, &[], grid.elements.len());
-        let dofs = super::active_dofs(&grid.elements, grid.nodes.len(), &active.cells, points.dimension());
+        let dofs = active_dofs(&grid.elements, grid.nodes.len(), &active.cells, points.dimension());
         line("dofs at the start", format!("{} on {} active cells", dofs.order(), active.len()));
         let bytes: usize = points.blocks.iter().map(Block::bytes).sum();
         let each = bytes as f64 / points.len().max(1) as f64;
@@ -135,7 +137,7 @@ fn columns(points: &MaterialPoints, used: bool) -> String {
 }
 
 /// Energies that the columns in use allow.
-pub(super) fn energies(model: &Model) -> Vec<(&'static str, f64)> {
+pub fn energies(model: &Model) -> Vec<(&'static str, f64)> {
     let Some(points) = points_of(model) else { return Vec::new() };
     let energies = total_energies(points, Selection::All);
     let block = points.blocks.first();
@@ -150,11 +152,11 @@ pub(super) fn energies(model: &Model) -> Vec<(&'static str, f64)> {
 }
 
 /// Writes the points with every column in use to `failed_state.vtu`.
-pub(super) fn save_state(model: &Model, folder: &Path) -> Result<Vec<PathBuf>, Error> {
+pub fn save_state(model: &Model, folder: &Path) -> Result<Vec<PathBuf>, Error> {
     let Some(points) = points_of(model) else { return Ok(Vec::new()) };
     let order = points.by_id(Selection::All);
     let mut data = Dataset {
-        points: order.iter().map(|&(b, p)| position(&points.blocks[b as usize], p as usize)).collect(),
+        points: order.iter().map(|&(b, p)| points.blocks[b as usize].coordinates(p as usize)).collect(),
         cells: CellsOf::Vertices,
         point_fields: Vec::new(),
         cell_fields: Vec::new(),
@@ -185,10 +187,4 @@ pub(super) fn save_state(model: &Model, folder: &Path) -> Result<Vec<PathBuf>, E
         Ok(_) => Ok(vec![path]),
         Err(source) => Err(Error::Write { path, source }),
     }
-}
-
-/// Position of a point with a third coordinate.
-pub fn position(block: &Block, point: usize) -> [f64; 3] {
-    let row = block.position.row(point);
-    std::array::from_fn(|i| row.get(i).copied().unwrap_or(0.0))
 }

@@ -20,7 +20,7 @@ pub struct Loads<'a> {
 
 impl Loads<'_> {
     /// Adds all nodal forces to a vector over the active dofs. Under axisymmetry loads act at the
-    /// current radius, so the increments matter.
+    /// current radius, so the increments matter; an empty slice stands for zeros.
     pub fn add(&self, dofs: &ActiveDofs, increments: &[f64], forces: &mut [f64]) {
         for &condition in &self.conditions.grid {
             let condition = condition as usize;
@@ -97,7 +97,7 @@ impl Loads<'_> {
     }
 
     fn radius(&self, node: u32, dofs: &ActiveDofs, increments: &[f64]) -> f64 {
-        let moved = dofs.number(node).map_or(0.0, |number| increments[number * dofs.block()]);
+        let moved = dofs.number(node).and_then(|number| increments.get(number * dofs.block())).copied().unwrap_or(0.0);
         self.grid.nodes.coordinates[node as usize][0] + moved
     }
 }

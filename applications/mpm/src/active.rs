@@ -1,11 +1,10 @@
 //! The part of the grid that holds points: cells with their points, nodes with their dofs.
 
-use super::inventory::position;
 use crate::points::{Block, MaterialPoints};
 use bia_kernel::error::Failure;
 use bia_kernel::geometry::CellLocator;
 use bia_kernel::model::Cells;
-use bia_kernel::solving::{ActiveDofs, System};
+use bia_kernel::solving::ActiveDofs;
 use rayon::prelude::*;
 
 /// Marks a point that has no cell.
@@ -116,7 +115,7 @@ fn all_outside(points: &MaterialPoints, locator: &CellLocator) -> Option<Failure
     let mut first = None;
     for block in &points.blocks {
         for point in 0..block.len() {
-            let x = position(block, point);
+            let x = block.coordinates(point);
             if block.cell[point] != NO_CELL && locator.locate(x, Some(block.cell[point])).is_some() {
                 return None;
             }
@@ -142,15 +141,4 @@ pub fn active_dofs(grid: &Cells, nodes: usize, cells: &[u32], block: usize) -> A
         }
     }
     ActiveDofs::new(block, &active)
-}
-
-/// The system that couples the nodes of each active cell.
-pub fn system(grid: &Cells, cells: &[u32], dofs: &ActiveDofs) -> System {
-    let (mut numbers, mut starts) = (Vec::new(), vec![0]);
-    for &cell in cells {
-        let of_cell = grid.nodes_of(cell as usize).iter().filter_map(|&node| dofs.number(node));
-        numbers.extend(of_cell.map(|number| number as u32));
-        starts.push(numbers.len() as u32);
-    }
-    System::new(dofs.block(), dofs.nodes().len(), numbers, starts)
 }

@@ -1,0 +1,449 @@
+//! The explicit solver: forward Euler with the stress updated first, last or last with mapped
+//! velocities (USF, USL, MUSL), and central differences (spec 04).
+//!
+//! A step: mass m = Σ N m_p and momentum q = Σ N m_p v_p of the nodes; v = q/m; f = f_ext − Σ V σ ∇N;
+//! a = f/m; q ← q + γ Δt f; points v_p ← v_p + Δt ((1 − γ) a_p + γ Σ N a), x_p ← x_p + Δt Σ N v.
+//! Forward Euler has γ = 1 and carries points with the new velocity; central differences have γ = ½,
+//! momentum half a step ahead, Σ N m_p (v_p + Δt/2 a_p), and carry points with that.
+//!
+//! Sources: Sulsky, Zhou & Schreyer 1995; Bardenhagen 2002; Nairn 2003.
+
+mod chunk;
+mod gather;
+mod kinematics;
+mod kratos_faults;
+mod nodes;
+mod points;
+mod stability;
+
+use crate::active::ActiveCells;
+use crate::grid::{GRID, write_nodal};
+use crate::points::{Columns, MaterialPoints};
+use crate::scene::{Scene, move_conditions, points_of, with_points};
+use crate::settings::{ExplicitSettings, Scheme, SolverSettings, Stepping};
+use crate::variables::{ACCELERATION, DISPLACEMENT, NODAL_MASS, REACTION, VELOCITY};
+use bia_constitutive::Kinematics;
+use bia_kernel::diagnostic::InputErrors;
+use bia_kernel::error::{Error, Failure};
+use bia_kernel::io::json::JsonObject;
+use bia_kernel::model::{Model, ModelPart};
+use bia_kernel::processes::{Clock, Context, Location, Process, Requirements, ResetNodes, RunOptions};
+use bia_kernel::registry::Registry;
+use bia_kernel::solving::StepReport;
+use bia_kernel::solving::solver::{Inventory, Solver};
+use gather::{Gather, Wanted};
+use kratos_faults::KratosFaults;
+use nodes::Nodes;
+use points::{Cause, Field, Trouble, advance, update_stress};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+const SEARCH: usize = 0;
+const TO_GRID: usize = 1;
+const TO_POINTS: usize = 2;
+const STRESS: usize = 3;
+
+/// The solver with what it keeps from step to step.
+pub struct Explicit {
+    scene: Scene,
+    settings: ExplicitSettings,
+    faults: KratosFaults,
+    active: ActiveCells,
+    nodes: Nodes,
+    limits: Limits,
+    /// Nodal variables that someone reads.
+    shown: Vec<&'static str>,
+    stages: [(&'static str, Duration); 4],
+    told_step: bool,
+    arch: pulp::Arch,
+}
+
+/// What bounds the time step.
+#[derive(Default)]
+struct Limits {
+    /// Smallest height of each cell in metres.
+    sizes: Vec<f64>,
+    /// The smallest among active cells.
+    smallest: f64,
+    /// Fastest wave in m/s.
+    wave: f64,
+    /// Fastest point in m/s.
+    point: f64,
+}
+
+impl Limits {
+    /// h/(c + v); infinite while nothing moves and no wave runs, or before the run.
+    fn stable_step(&self) -> f64 {
+        let speed = self.wave + self.point;
+        if self.sizes.is_empty() || speed <= 0.0 { f64::INFINITY } else { self.smallest / speed }
+    }
+
+    fn describe(&self) -> String {
+        let Self { smallest, wave, point, .. } = self;
+        format!("cells of {smallest:.4e} m, waves of {wave:.4e} m/s, points of {point:.4e} m/s")
+    }
+}
+
+impl Explicit {
+    /// The solver of these settings.
+    pub fn new(settings: SolverSettings, explicit: ExplicitSettings, options: RunOptions) -> Self {
+        let faults = KratosFaults(options.kratos_exact);
+        Self {
+            scene: Scene::new(settings, options),
+            settings: explicit,
+            faults,
+            active: ActiveCells::default(),
+            nodes: Nodes::default(),
+            limits: Limits::default(),
+            shown: Vec::new(),
+            stages: ["search", "points to grid", "grid to points", "stress"].map(|name| (name, Duration::ZERO)),
+            told_step: false,
+            arch: pulp::Arch::new(),
+        }
+    }
+
+    /// Finds the points' cells; numbers the nodes again if the cells have changed.
+    fn update_active(&mut self, points: &mut MaterialPoints, grid: &ModelPart, time_step: f64) -> Result<(), Error> {
+        self.scene.search(points)?;
+        if self.settings.leave_edges {
+            self.leave_edges(points, grid, time_step);
+        }
+        let before = std::mem::take(&mut self.active.cells);
+        self.active.gather(&points.blocks, &[], grid.elements.len());
+        if before != self.active.cells {
+            self.nodes.renumber(grid, &self.active, points.dimension());
+            let sizes = self.active.cells.iter().map(|&cell| self.limits.sizes[cell as usize]);
+            self.limits.smallest = sizes.fold(f64::INFINITY, f64::min);
+        }
+        Ok(())
+    }
+
+    /// Moves points that lie on an edge of their cell by a thousandth of their path, as Kratos does
+    /// when asked, and finds their cells again.
+    fn leave_edges(&self, points: &mut MaterialPoints, grid: &ModelPart, time_step: f64) {
+        let Some(locator) = &self.scene.locator else { return };
+        for block in &mut points.blocks {
+            for point in 0..block.len() {
+                let Some(&shape) = grid.elements.shapes.get(block.cell[point] as usize) else { continue };
+                let (mut xi, mut functions) = ([0.0; 3], [0.0; 8]);
+                let local = block.local.row(point);
+                xi[..local.len()].copy_from_slice(local);
+                shape.functions(xi, &mut functions[..shape.node_count()]);
+                if functions[..shape.node_count()].iter().all(|n| *n >= f64::EPSILON) {
+                    continue;
+                }
+                let velocity = block.velocity.row(point);
+                let step = time_step / 1000.0;
+                block.position.row_mut(point).iter_mut().zip(velocity).for_each(|(x, v)| *x += step * v);
+                if let Some((cell, xi)) = locator.locate(block.coordinates(point), Some(block.cell[point])) {
+                    block.cell[point] = cell;
+                    let local = block.local.row_mut(point);
+                    local.copy_from_slice(&xi[..local.len()]);
+                }
+            }
+        }
+    }
+
+    /// Sums the points up on the nodes.
+    fn gather(&mut self, points: &MaterialPoints, grid: &ModelPart, wanted: Wanted, time_step: f64) {
+        let begin = Instant::now();
+        let central = self.settings.scheme == Scheme::CentralDifference;
+        let gather = Gather {
+            blocks: &points.blocks,
+            active: &self.active,
+            grid,
+            dofs: &self.nodes.dofs,
+            kinematics: points.kinematics,
+            ahead: if central { 0.5 * time_step } else { 0.0 },
+            faults: self.faults,
+            arch: self.arch,
+        };
+        self.nodes.sums.add(&gather, wanted);
+        self.stages[TO_GRID].1 += begin.elapsed();
+    }
+
+    fn field<'a>(&'a self, grid: &'a ModelPart, time_step: f64) -> Field<'a> {
+        Field {
+            grid,
+            dofs: &self.nodes.dofs,
+            velocity: &self.nodes.velocity,
+            acceleration: &self.nodes.acceleration,
+            time_step,
+            gamma: self.gamma(),
+            reach: self.faults.reach(self.limits.smallest),
+            compressible: self.settings.compressible,
+            faults: self.faults,
+            arch: self.arch,
+        }
+    }
+
+    fn gamma(&self) -> f64 {
+        if self.settings.scheme == Scheme::CentralDifference { 0.5 } else { 1.0 }
+    }
+
+    fn updates_stress_first(&self) -> bool {
+        matches!(self.settings.scheme, Scheme::UpdateStressFirst | Scheme::CentralDifference)
+    }
+
+    fn update_stress(&mut self, points: &mut MaterialPoints, grid: &ModelPart, time_step: f64) -> Result<(), Error> {
+        let begin = Instant::now();
+        let updated = update_stress(points, &self.field(grid, time_step));
+        self.stages[STRESS].1 += begin.elapsed();
+        updated.map_err(|trouble| self.failure(points, &trouble, time_step))
+    }
+
+    /// The end of an unstable run.
+    fn failure(&self, points: &MaterialPoints, trouble: &Trouble, time_step: f64) -> Error {
+        let block = &points.blocks[trouble.block];
+        let gradient = block.deformation_gradient(trouble.point);
+        let name = format!("material point {}", block.ids[trouble.point]);
+        let advice = match self.limits.stable_step() {
+            stable if time_step > stable => {
+                format!("a time step of at most {stable:.4e} s, or \"time_step\": \"auto\"")
+            }
+            _ => "a smaller time step; this step was within the stable one, so look at loads and at cells that hold \
+                  little material"
+                .to_string(),
+        };
+        let jacobian = format!("J = {:e}", gradient.determinant());
+        let (what, detail) = match &trouble.cause {
+            Cause::Law(error) => (format!("the law {} has no answer: {error}", block.law.name()), jacobian),
+            Cause::Inverted(jacobian) => {
+                let what = "the run is unstable: a material point is turned inside out";
+                (what.to_string(), format!("J = {jacobian:e}"))
+            }
+            Cause::Moved(distance) => {
+                let what = "the run is unstable: a material point moves farther than a cell in one step";
+                (what.to_string(), format!("{jacobian}; it moves {distance:e} m"))
+            }
+        };
+        let failure = Failure::new(what, advice).at(name, block.coordinates(trouble.point)).detail(detail);
+        let speed = block.velocity.row(trouble.point);
+        let failure = failure.detail(format!("velocity: {speed:?} m/s"));
+        let stable = self.limits.stable_step();
+        failure.detail(format!("time step {time_step:.4e} s, stable {stable:.4e} s: {}", self.limits.describe())).into()
+    }
+
+    /// Warns once, or stops, when a step of the user's is above the stable one.
+    fn judge_step(&mut self, step: f64, stable: f64) -> Result<(), Error> {
+        if step <= stable || matches!(self.scene.settings.stepping, Stepping::Courant(_)) {
+            return Ok(());
+        }
+        let what = format!("the time step {step:.4e} s is above the stable one, {stable:.4e} s");
+        if self.settings.strict {
+            let advice = "a smaller time step, or \"time_step\": \"auto\"";
+            return Err(Failure::new(what, advice).detail(self.limits.describe()).into());
+        }
+        if !std::mem::replace(&mut self.told_step, true) {
+            tracing::warn!("{what} ({})", self.limits.describe());
+        }
+        Ok(())
+    }
+
+    fn shows(&self, name: &str) -> bool {
+        self.shown.contains(&name)
+    }
+
+    /// Writes what someone reads on the grid.
+    fn write_nodes(&self, grid: &mut ModelPart, increments: &[f64]) {
+        let count = grid.nodes.len();
+        if self.shows("NODAL_MASS") {
+            let column = grid.node_fields.scalar_mut(&NODAL_MASS, count);
+            if !self.faults.shows_old_nodes() {
+                column.fill(0.0);
+            }
+            for (&node, mass) in self.nodes.dofs.nodes().iter().zip(&self.nodes.sums.mass) {
+                column[node as usize] = *mass;
+            }
+        }
+        for (variable, values) in [
+            (&DISPLACEMENT, increments),
+            (&VELOCITY, &self.nodes.velocity),
+            (&ACCELERATION, &self.nodes.acceleration),
+            (&REACTION, &self.nodes.reaction),
+        ] {
+            if self.shows(variable.name) {
+                if !self.faults.shows_old_nodes() {
+                    grid.node_fields.vector_mut(variable, count).fill([0.0; 3]);
+                }
+                write_nodal(grid, &self.nodes.dofs, variable, values);
+            }
+        }
+    }
+}
+
+impl Solver for Explicit {
+    fn import(&mut self, model: &mut Model, registry: &Registry) -> Result<(), InputErrors> {
+        self.scene.import(model, registry)
+    }
+
+    fn processes(&self) -> Vec<Box<dyn Process>> {
+        if self.faults.shows_old_nodes() {
+            return Vec::new();
+        }
+        vec![Box::new(ResetNodes { part: GRID, variables: vec![DISPLACEMENT] })]
+    }
+
+    fn initialize(&mut self, model: &mut Model, requirements: &Requirements) -> Result<(), InputErrors> {
+        let recorded = |name: &str| requirements.record && [DISPLACEMENT.name, NODAL_MASS.name].contains(&name);
+        for variable in [&DISPLACEMENT, &VELOCITY, &ACCELERATION, &REACTION, &NODAL_MASS] {
+            if requirements.wants(Location::Nodes, variable.name) || recorded(variable.name) {
+                self.shown.push(variable.name);
+            }
+        }
+        if self.scene.settings.reactions && !self.shows(REACTION.name) {
+            self.shown.push(REACTION.name);
+        }
+        self.scene.make_points(model, requirements, Columns { motion: true, stress: true, ..Columns::default() })?;
+        let Some((grid, points)) = model.part(GRID).zip(points_of(model)) else { return Ok(()) };
+        self.limits.sizes = stability::cell_sizes(grid);
+        self.limits.wave = stability::wave_speed(points);
+        let stiff = |law: &dyn bia_constitutive::Law| !law.uses_strain();
+        let blocks = &points.blocks;
+        match blocks.iter().find(|block| !self.settings.compressible && stiff(block.law.as_ref())) {
+            Some(block) if !self.scene.options.kratos_exact => {
+                let message =
+                    format!("is false, but {} takes its stress from the deformation gradient", block.law_name);
+                let help = "set compressible to true, or use a linear elastic law";
+                Err(self.scene.settings.settings.error("compressible", message).help(help).into())
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn before_solution_loop(&mut self, context: &mut Context) -> Result<(), Error> {
+        if let (true, Some(grid)) = (self.shows(DISPLACEMENT.name), context.model.part_mut(GRID)) {
+            let count = grid.nodes.len();
+            grid.node_fields.vector_mut(&DISPLACEMENT, count);
+        }
+        let Some((grid, points)) = context.model.part(GRID).zip(points_of(context.model)) else { return Ok(()) };
+        self.active.gather(&points.blocks, &[], grid.elements.len());
+        self.nodes.renumber(grid, &self.active, points.dimension());
+        let sizes = self.active.cells.iter().map(|&cell| self.limits.sizes[cell as usize]);
+        self.limits.smallest = sizes.fold(f64::INFINITY, f64::min);
+        self.limits.point = stability::point_speed(points);
+        tracing::info!("stable time step {:.4e} s: {}", self.limits.stable_step(), self.limits.describe());
+        Ok(())
+    }
+
+    fn time_step(&mut self, _: &Model, clock: &Clock) -> Result<f64, Error> {
+        // Before the run nothing is known that bounds the step.
+        let stable = if self.active.cells.is_empty() { f64::INFINITY } else { self.limits.stable_step() };
+        let stepping = &self.scene.settings.stepping;
+        if matches!(stepping, Stepping::Courant(_)) {
+            return last_step(stepping.step(clock, stable)?, clock);
+        }
+        let step = stepping.step(clock, stable)?;
+        self.judge_step(step, stable)?;
+        Ok(step)
+    }
+
+    fn plans_steps(&self) -> bool {
+        !matches!(self.scene.settings.stepping, Stepping::Courant(_))
+    }
+
+    fn predict(&mut self, context: &mut Context) -> Result<(), Error> {
+        let time_step = context.clock.time_step;
+        with_points(context.model, |points, grid| {
+            let begin = Instant::now();
+            self.update_active(points, grid, time_step)?;
+            self.stages[SEARCH].1 += begin.elapsed();
+            self.nodes.start(grid, time_step, self.faults);
+            let wanted = if self.updates_stress_first() { Wanted::Momentum } else { Wanted::Both };
+            self.gather(points, grid, wanted, time_step);
+            self.nodes.weigh(self.faults);
+            Ok(())
+        })
+    }
+
+    fn solve_solution_step(&mut self, context: &mut Context) -> Result<StepReport, Error> {
+        let time_step = context.clock.time_step;
+        with_points(context.model, |points, grid| {
+            if self.updates_stress_first() {
+                self.nodes.find_velocity();
+                self.update_stress(points, grid, time_step)?;
+                self.gather(points, grid, Wanted::Force, time_step);
+            }
+            let axisymmetric = points.kinematics == Kinematics::Axisymmetric;
+            let loads = crate::loads::Loads { grid, conditions: &points.conditions, axisymmetric };
+            loads.add(&self.nodes.dofs, &[], &mut self.nodes.sums.force);
+            self.nodes.accelerate(self.gamma() * time_step);
+            if self.settings.scheme != Scheme::CentralDifference {
+                self.nodes.find_velocity();
+            }
+            Ok(StepReport { converged: true, ..StepReport::default() })
+        })
+    }
+
+    fn finalize_solution_step(&mut self, context: &mut Context) -> Result<(), Error> {
+        let time_step = context.clock.time_step;
+        with_points(context.model, |points, grid| {
+            let begin = Instant::now();
+            let advanced = advance(points, &self.field(grid, time_step));
+            self.limits.point = advanced.map_err(|trouble| self.failure(points, &trouble, time_step))?;
+            let conditions = !points.conditions.is_empty();
+            let mut increments = Vec::new();
+            if conditions || (self.shows(DISPLACEMENT.name) && !self.faults.shows_old_nodes()) {
+                increments.extend(self.nodes.velocity.iter().map(|v| v * time_step));
+                let least = self.faults.least_function();
+                let motion = [&increments[..], &self.nodes.velocity[..]];
+                move_conditions(&mut points.conditions, grid, &self.nodes.dofs, motion, least);
+            }
+            if self.faults.shows_old_nodes() {
+                increments.clear();
+                increments.resize(self.nodes.dofs.order(), 0.0);
+            }
+            self.stages[TO_POINTS].1 += begin.elapsed();
+            match self.settings.scheme {
+                Scheme::UpdateStressLast => self.update_stress(points, grid, time_step)?,
+                Scheme::ModifiedUpdateStressLast => {
+                    self.nodes.sums.momentum.fill(0.0);
+                    self.gather(points, grid, Wanted::MovedMomentum, time_step);
+                    self.nodes.find_velocity();
+                    self.update_stress(points, grid, time_step)?;
+                }
+                _ => {}
+            }
+            self.write_nodes(grid, &increments);
+            Ok(())
+        })
+    }
+
+    fn inventory(&self, model: &Model) -> Inventory {
+        self.scene.inventory(model)
+    }
+
+    fn energies(&self, model: &Model) -> Vec<(&'static str, f64)> {
+        crate::inventory::energies(model)
+    }
+
+    fn account(&self, model: &Model) -> serde_json::Map<String, serde_json::Value> {
+        crate::record::account(model)
+    }
+
+    fn snapshot(&self, model: &Model, out: &mut JsonObject) -> std::io::Result<()> {
+        crate::record::snapshot(model, out)
+    }
+
+    fn stages(&self) -> Vec<(&'static str, Duration)> {
+        self.stages.to_vec()
+    }
+
+    fn save_state(&self, model: &Model, folder: &Path) -> Result<Vec<PathBuf>, Error> {
+        crate::inventory::save_state(model, folder)
+    }
+}
+
+/// The step, cut so that the run ends at its end and the last two steps are not far apart.
+fn last_step(step: f64, clock: &Clock) -> Result<f64, Error> {
+    let left = clock.end - clock.time;
+    if left > 2.0 * step {
+        return Ok(step);
+    }
+    if left > step {
+        return Ok(0.5 * left);
+    }
+    // Rounding must not leave a sliver of time.
+    let rounding = f64::EPSILON * clock.end.abs();
+    Ok(if clock.time + left < clock.end { left + rounding } else { left })
+}

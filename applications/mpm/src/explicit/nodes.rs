@@ -1,0 +1,106 @@
+//! The nodes of the active cells in one step: boundary values, velocities, accelerations.
+
+use super::gather::NodalSums;
+use super::kratos_faults::KratosFaults;
+use crate::active::{ActiveCells, active_dofs};
+use crate::variables::DISPLACEMENT;
+use bia_kernel::model::ModelPart;
+use bia_kernel::solving::ActiveDofs;
+
+/// State of the active nodes; all vectors by active dof but `mass`, which `sums` holds by node.
+#[derive(Default)]
+pub struct Nodes {
+    /// Numbers of the active nodes; fixed components.
+    pub dofs: ActiveDofs,
+    /// Mass, momentum, force.
+    pub sums: NodalSums,
+    /// Velocity that carries and deforms the points.
+    pub velocity: Vec<f64>,
+    /// Acceleration.
+    pub acceleration: Vec<f64>,
+    /// Force that holds the fixed components.
+    pub reaction: Vec<f64>,
+    imposed: Vec<f64>,
+    /// Velocities imposed in the last step by grid node, NaN where free; empty while none moves.
+    last: Vec<[f64; 3]>,
+    least_mass: f64,
+}
+
+impl Nodes {
+    /// Numbers the nodes of the active cells.
+    pub fn renumber(&mut self, grid: &ModelPart, active: &ActiveCells, dimension: usize) {
+        self.dofs = active_dofs(&grid.elements, grid.nodes.len(), &active.cells, dimension);
+    }
+
+    /// Sets all to zero and reads the fixed components. A displacement u imposed on one acts as the
+    /// velocity u/Δt; its acceleration is the change of that velocity since the last step.
+    pub fn start(&mut self, grid: &ModelPart, time_step: f64, faults: KratosFaults) {
+        self.sums.reset(&self.dofs);
+        let (order, block) = (self.dofs.order(), self.dofs.block());
+        for values in [&mut self.velocity, &mut self.acceleration, &mut self.imposed] {
+            values.clear();
+            values.resize(order, 0.0);
+        }
+        self.dofs.fixed_mut().fill(false);
+        let Some(fixed) = grid.node_fields.fixed(&DISPLACEMENT) else { return };
+        let values = grid.node_fields.vector(&DISPLACEMENT).unwrap_or_default();
+        let imposed =
+            |node: usize, a: usize| values.get(node).map_or(0.0, |u| faults.imposed_velocity(u[a], time_step));
+        for number in 0..self.dofs.nodes().len() {
+            let node = self.dofs.nodes()[number] as usize;
+            for a in (0..block).filter(|&a| fixed[node][a]) {
+                let dof = number * block + a;
+                self.dofs.fixed_mut()[dof] = true;
+                self.imposed[dof] = imposed(node, a);
+                let last = self.last.get(node).map_or(f64::NAN, |last| last[a]);
+                if last.is_finite() {
+                    self.acceleration[dof] = (self.imposed[dof] - last) / time_step;
+                }
+            }
+        }
+        // Only walls that move are remembered, and all their nodes, active or not.
+        if !self.last.is_empty() || self.imposed.iter().any(|v| *v != 0.0) {
+            self.last.resize(grid.nodes.len(), [f64::NAN; 3]);
+            for (node, last) in self.last.iter_mut().enumerate() {
+                *last = std::array::from_fn(|a| if fixed[node][a] { imposed(node, a) } else { f64::NAN });
+            }
+        }
+    }
+
+    /// Fixes the mass below which nodes are left alone, once the masses are there.
+    pub fn weigh(&mut self, faults: KratosFaults) {
+        self.least_mass = faults.least_mass(self.sums.mass.iter().copied().fold(0.0, f64::max));
+    }
+
+    fn mass(&self, dof: usize) -> Option<f64> {
+        Some(self.sums.mass[dof / self.dofs.block()]).filter(|mass| *mass > self.least_mass)
+    }
+
+    /// Velocity from momentum, imposed where fixed.
+    pub fn find_velocity(&mut self) {
+        for dof in 0..self.dofs.order() {
+            self.velocity[dof] = match (self.dofs.fixed()[dof], self.mass(dof)) {
+                (true, _) => self.imposed[dof],
+                (false, Some(mass)) => self.sums.momentum[dof] / mass,
+                (false, None) => 0.0,
+            };
+        }
+    }
+
+    /// Accelerations, reactions, and momentum after the time `impulse`.
+    pub fn accelerate(&mut self, impulse: f64) {
+        self.reaction.clear();
+        self.reaction.resize(self.dofs.order(), 0.0);
+        for dof in 0..self.dofs.order() {
+            let mass = self.mass(dof);
+            if self.dofs.fixed()[dof] {
+                let mass = mass.unwrap_or(0.0);
+                self.reaction[dof] = mass * self.acceleration[dof] - self.sums.force[dof];
+                self.sums.momentum[dof] = mass * self.imposed[dof];
+            } else {
+                self.acceleration[dof] = mass.map_or(0.0, |mass| self.sums.force[dof] / mass);
+                self.sums.momentum[dof] += impulse * self.sums.force[dof];
+            }
+        }
+    }
+}

@@ -1,0 +1,80 @@
+//! The background grid as loops over its cells see it.
+
+use bia_kernel::model::ModelPart;
+use bia_kernel::solving::ActiveDofs;
+use bia_kernel::variables::Variable;
+
+/// Name of the root part of the grid.
+pub const GRID: &str = "Background_Grid";
+
+/// Calls a function with the type of a cell's shape: `with_shape!(shape, S, D, N => expression)`.
+/// Shapes that are no solid cells yield the last expression.
+macro_rules! with_shape {
+    ($shape:expr, |$S:ident, $D:ident, $N:ident| $body:expr, else $other:expr) => {
+        match $shape {
+            Shape::Line2 => {
+                type $S = Line2;
+                const $D: usize = 1;
+                const $N: usize = 2;
+                $body
+            }
+            Shape::Triangle3 => {
+                type $S = Triangle3;
+                const $D: usize = 2;
+                const $N: usize = 3;
+                $body
+            }
+            Shape::Quadrilateral4 => {
+                type $S = Quadrilateral4;
+                const $D: usize = 2;
+                const $N: usize = 4;
+                $body
+            }
+            Shape::Tetrahedron4 => {
+                type $S = Tetrahedron4;
+                const $D: usize = 3;
+                const $N: usize = 4;
+                $body
+            }
+            Shape::Hexahedron8 => {
+                type $S = Hexahedron8;
+                const $D: usize = 3;
+                const $N: usize = 8;
+                $body
+            }
+            _ => $other,
+        }
+    };
+}
+pub(crate) use with_shape;
+
+/// Coordinates of a cell's nodes.
+#[inline]
+pub fn corners<const D: usize, const N: usize>(grid: &ModelPart, nodes: &[u32]) -> [[f64; D]; N] {
+    std::array::from_fn(|i| {
+        let x = &grid.nodes.coordinates[nodes[i] as usize];
+        std::array::from_fn(|a| x[a])
+    })
+}
+
+/// Values of a cell's nodes out of a vector over the active dofs; zeros if it is empty.
+#[inline]
+pub fn nodal_vectors<const D: usize, const N: usize>(
+    dofs: &ActiveDofs,
+    nodes: &[u32],
+    values: &[f64],
+) -> [[f64; D]; N] {
+    std::array::from_fn(|i| match dofs.number(nodes[i]) {
+        Some(number) if !values.is_empty() => std::array::from_fn(|a| values[number * D + a]),
+        _ => [0.0; D],
+    })
+}
+
+/// Writes a vector over the active dofs to a column of the grid; other nodes keep their values.
+pub fn write_nodal(grid: &mut ModelPart, dofs: &ActiveDofs, variable: &Variable, values: &[f64]) {
+    let (count, block) = (grid.nodes.len(), dofs.block());
+    let column = grid.node_fields.vector_mut(variable, count);
+    for (number, &node) in dofs.nodes().iter().enumerate() {
+        column[node as usize][..block].copy_from_slice(&values[number * block..(number + 1) * block]);
+    }
+}
