@@ -274,8 +274,9 @@ mod tests {
         let properties = rubber("LinearElasticIsotropic3DLaw");
         for explicit in [false, true] {
             let options = Options { explicit, ..Options::default() };
-            let law =
-                catalogue().build(&properties, Kinematics::ThreeDimensional, &options, &Place::default()).unwrap();
+            let law = catalogue()
+                .build(&properties, Kinematics::ThreeDimensional, &options, &MaterialPlaces::default())
+                .unwrap();
             assert_eq!(law.uses_strain(), explicit);
         }
     }
