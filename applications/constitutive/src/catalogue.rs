@@ -87,8 +87,6 @@ pub struct DuplicateLaw(
 const KNOWN_TO_KRATOS: &[&str] = &[
     "HyperElasticNeoHookeanUP3DLaw",
     "HyperElasticNeoHookeanPlaneStrainUP2DLaw",
-    "DispNewtonianFluid3DLaw",
-    "DispNewtonianFluidPlaneStrain2DLaw",
     "HenckyMCPlastic3DLaw",
     "HenckyMCPlasticPlaneStrain2DLaw",
     "HenckyMCPlasticAxisym2DLaw",
