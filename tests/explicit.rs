@@ -243,8 +243,7 @@ fn imposed_stretching_is_exact() {
     }
 }
 
-/// A fluid that is sheared at a constant rate resists with μ times that rate, however far it has
-/// come; Kratos's resistance grows, as it takes the strain since the start for that of the step.
+/// A fluid that is sheared at a constant rate resists with μ times that rate, however far it has come.
 #[test]
 fn a_sheared_fluid_resists_with_its_viscosity() {
     const RATE: f64 = 0.5;

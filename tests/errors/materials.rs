@@ -161,8 +161,10 @@ fn laws() {
             &["known to Kratos, but not in this build", LAW],
         ),
         (
-            "Newtonian",
-            |s| s.replace(MATERIALS, LAW, "KratosMultiphysics.MPMApplication.DispNewtonianFluidPlaneStrain2DLaw"),
+            "Cam-Clay",
+            |s| {
+                s.replace(MATERIALS, LAW, "KratosMultiphysics.MPMApplication.HenckyBorjaCamClayPlasticPlaneStrain2DLaw")
+            },
             &["known to Kratos, but not in this build", LAW],
         ),
     ]);

@@ -143,8 +143,31 @@ fn solver_settings() {
         ),
         (
             "explicit",
-            |s| s.replace(PROJECT, "\"scheme_type\": \"newmark\"", "\"time_integration_method\": \"explicit\""),
-            &["time_integration_method", "must be one of implicit"],
+            |s| s.replace(PROJECT, "\"scheme_type\"", "\"time_integration_method\": \"explicit\", \"scheme_type\""),
+            &["at /solver_settings/scheme_type", "\"newmark\" is no explicit scheme", "central_difference"],
+        ),
+        (
+            "implicit",
+            |s| s.replace(PROJECT, "\"newmark\"", "\"forward_euler\""),
+            &["at /solver_settings/scheme_type", "is no implicit scheme", "time_integration_method"],
+        ),
+        (
+            "partitioned quadrature",
+            |s| s.replace(PROJECT, "\"newmark\"", "\"newmark\", \"is_pqmpm\": true"),
+            &["at /solver_settings/is_pqmpm", "not part of this build"],
+        ),
+        (
+            "automatic step of an implicit run",
+            |s| s.replace(PROJECT, "0.01}", "\"auto\"}"),
+            &["/time_stepping/time_step", "\"auto\" is for explicit runs"],
+        ),
+        (
+            "frozen volume",
+            |s| {
+                let explicit = "\"time_integration_method\": \"explicit\", \"compressible\": false";
+                s.replace(PROJECT, "\"scheme_type\": \"newmark\"", explicit)
+            },
+            &["at /solver_settings/compressible", "takes its stress from the deformation gradient"],
         ),
         (
             "criterion",

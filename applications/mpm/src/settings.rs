@@ -26,7 +26,7 @@ const SEARCH: &[Key] = &[
     Key::new("remove_entities_not_found", Kind::Bool, "true", "erase points that leave the grid"),
 ];
 const STEPPING: &[Key] = &[
-    Key::optional("time_step", Kind::Any, "time step [s]; explicit also \"auto\""),
+    Key::optional("time_step", Kind::NumberOr(Range::POSITIVE, &["auto"]), "time step [s]; explicit also \"auto\""),
     Key::optional("time_step_table", Kind::List, "pairs [time, time step] [s]"),
     Key::new("courant_number", Kind::Number(COURANT), "0.9", "explicit: share of the stable step that \"auto\" takes"),
     Key::new(
@@ -403,11 +403,10 @@ fn stepping(s: &Settings, is_explicit: bool) -> Result<Stepping, InputErrors> {
         return Err(s.error("time_stepping", message).help("keep one of them").into());
     }
     if let Some(given) = nested.get("time_step") {
-        return match (given.value().as_f64(), given.value().as_str()) {
-            (Some(step), _) if step > 0.0 && step.is_finite() => Ok(Stepping::Constant(step)),
-            (_, Some("auto")) if is_explicit => Ok(Stepping::Courant(nested.number("courant_number"))),
-            (_, Some("auto")) => Err(given.error("\"auto\" is for explicit runs; name a time step in seconds").into()),
-            _ => Err(given.error("must be a number above 0, or \"auto\" in explicit runs").into()),
+        return match given.value().as_f64() {
+            Some(step) => Ok(Stepping::Constant(step)),
+            None if is_explicit => Ok(Stepping::Courant(nested.number("courant_number"))),
+            None => Err(given.error("\"auto\" is for explicit runs").help("name a time step in seconds").into()),
         };
     }
     let Some(list) = nested.get("time_step_table") else {

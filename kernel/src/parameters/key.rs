@@ -27,6 +27,8 @@ pub enum Kind {
     },
     /// A real number.
     Number(Range),
+    /// A real number, or one of these texts.
+    NumberOr(Range, &'static [&'static str]),
     /// A text.
     Text,
     /// One of these texts.

@@ -176,6 +176,10 @@ fn check(kind: &Kind, value: &Value) -> Result<(), String> {
         Kind::Bool => value.is_boolean(),
         Kind::Integer { min } => value.as_i64().is_some_and(|i| i >= *min),
         Kind::Number(range) => value.as_f64().is_some_and(|x| range.contains(x)),
+        Kind::NumberOr(range, names) => {
+            value.as_f64().is_some_and(|x| range.contains(x))
+                || value.as_str().is_some_and(|text| names.contains(&text))
+        }
         Kind::Text => value.is_string(),
         Kind::Choice(names) => value.as_str().is_some_and(|text| names.contains(&text)),
         Kind::Vector3 => list.len() == 3 && list.iter().all(Value::is_number),
@@ -202,6 +206,7 @@ fn expected(kind: &Kind) -> String {
         Kind::Integer { min: i64::MIN } => "a whole number".into(),
         Kind::Integer { min } => format!("a whole number of at least {min}"),
         Kind::Number(range) => range.text.into(),
+        Kind::NumberOr(range, names) => format!("{} or one of {names:?}", range.text),
         Kind::Text => "a text".into(),
         Kind::Choice(names) => format!("one of {}", names.join(", ")),
         Kind::Vector3 => "a list of three numbers".into(),
