@@ -40,6 +40,13 @@ impl Loads<'_> {
         }
     }
 
+    /// A loaded grid node without dofs: no material point reaches it, so its share of the load is lost.
+    pub fn idle_node(&self, dofs: &ActiveDofs) -> Option<u32> {
+        let of_grid = self.conditions.grid.iter().flat_map(|&c| self.grid.conditions.nodes_of(c as usize));
+        let of_points = self.conditions.cell.iter().flat_map(|&cell| self.grid.elements.nodes_of(cell as usize));
+        of_grid.chain(of_points).copied().find(|&node| dofs.number(node).is_none())
+    }
+
     fn point(&self, condition: usize, dofs: &ActiveDofs, increments: &[f64], forces: &mut [f64]) {
         let node = self.grid.conditions.nodes_of(condition)[0];
         let own = vector(&self.grid.condition_fields, &POINT_LOAD, condition);

@@ -7,6 +7,7 @@ mod transfer;
 
 use crate::active::{ActiveCells, active_dofs};
 use crate::grid::{GRID, write_nodal};
+use crate::loads::Loads;
 use crate::points::{Columns, MaterialPoints};
 use crate::scene::{Scene, move_conditions, with_points};
 use crate::settings::{Regime, SolverSettings};
@@ -41,6 +42,7 @@ struct Told {
     linear: bool,
     fall_back: bool,
     imposed: bool,
+    idle_load: bool,
 }
 
 /// The solver with what it keeps from step to step.
@@ -284,6 +286,17 @@ impl Solver for Implicit {
             let (Some(mut system), Some(mut linear)) = (this.system.take(), this.linear.take()) else {
                 return Ok(StepReport::default());
             };
+            if !this.told.idle_load {
+                let loads = Loads { grid, conditions: &points.conditions, axisymmetric: false };
+                if let Some(node) = loads.idle_node(&this.dofs) {
+                    this.told.idle_load = true;
+                    let (id, [x, y, z]) = (grid.nodes.ids[node as usize], grid.nodes.coordinates[node as usize]);
+                    tracing::warn!(
+                        "a load acts on grid node {id} at ({x}, {y}, {z}), which no material point reaches: \
+                         that share of it has no effect, as in Kratos"
+                    );
+                }
+            }
             let mut problem = this.problem(points, grid, time_step);
             let result = this.scene.settings.newton.solve(&mut problem, &mut system, linear.as_mut());
             let (increments, assembled) = (problem.increments, problem.assembled);
