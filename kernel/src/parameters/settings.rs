@@ -170,7 +170,8 @@ fn read_key(parameters: &Parameters, key: &'static Key, errors: &mut InputErrors
 
 /// `Err` names what would be right.
 fn check(kind: &Kind, value: &Value) -> Result<(), String> {
-    let is_function = |v: &Value| v.is_number() || v.is_string();
+    // An object may name a csv table; whoever reads the value checks it.
+    let is_function = |v: &Value| v.is_number() || v.is_string() || v.is_object();
     let list = value.as_array().map_or(&[][..], Vec::as_slice);
     let fits = match kind {
         Kind::Bool => value.is_boolean(),

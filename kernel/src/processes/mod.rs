@@ -1,6 +1,7 @@
 //! Processes: what a scene does beside solving, driven by the hooks of the analysis.
 
 pub mod assign;
+mod csv_table;
 pub mod json;
 pub mod quantity;
 mod reset;

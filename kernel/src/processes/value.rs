@@ -1,27 +1,35 @@
 //! Values that are numbers or functions of space and time, and the interval in which they act.
 
+use super::csv_table;
 use crate::diagnostic::InputErrors;
 use crate::error::Failure;
 use crate::expression::{Arguments, Expression};
+use crate::model::Table;
 use crate::parameters::Parameters;
 
-/// A number or a function of x, y, z, X, Y, Z and t.
+/// A number, a function of x, y, z, X, Y, Z and t, or a table over the time.
 #[derive(Debug, Clone)]
 pub struct SpaceTimeValue {
-    expression: Expression,
+    source: Source,
     factor: f64,
+}
+
+#[derive(Debug, Clone)]
+enum Source {
+    Expression(Expression),
+    Table(Table),
 }
 
 impl SpaceTimeValue {
     /// A constant.
     pub fn constant(value: f64) -> Self {
-        Self { expression: Expression::constant(value), factor: 1.0 }
+        Self { source: Source::Expression(Expression::constant(value)), factor: 1.0 }
     }
 
-    /// From a JSON number or text.
+    /// From a JSON number, a text, or an object that names a csv table with Kratos's keys.
     ///
     /// # Errors
-    /// A text that is no expression, with the place inside it.
+    /// A text that is no expression, with the place inside it; a table that cannot be read.
     pub fn read(parameters: &Parameters) -> Result<Self, InputErrors> {
         match (parameters.value().as_f64(), parameters.value().as_str()) {
             (Some(number), _) => Ok(Self::constant(number)),
@@ -30,11 +38,14 @@ impl SpaceTimeValue {
                     Some(value) if !value.is_finite() => {
                         Err(parameters.error(format!("the function {text:?} is {value}, which is not finite")).into())
                     }
-                    _ => Ok(Self { expression, factor: 1.0 }),
+                    _ => Ok(Self { source: Source::Expression(expression), factor: 1.0 }),
                 },
                 Err(error) => Err(parameters.error(format!("the function {text:?} is wrong: {error}")).into()),
             },
-            _ => Err(parameters.error("must be a number or a function as text").into()),
+            _ if parameters.value().is_object() => {
+                Ok(Self { source: Source::Table(csv_table::read(parameters)?), factor: 1.0 })
+            }
+            _ => Err(parameters.error("must be a number, a function as text, or a csv table").into()),
         }
     }
 
@@ -62,22 +73,32 @@ impl SpaceTimeValue {
     /// The value at a position (and initial position) in metres and a time in seconds.
     pub fn at(&self, position: [f64; 3], initial: [f64; 3], time: f64) -> f64 {
         let [x, y, z] = position;
-        self.factor * self.expression.evaluate(&Arguments { x, y, z, initial, t: time })
+        let value = match &self.source {
+            Source::Expression(expression) => expression.evaluate(&Arguments { x, y, z, initial, t: time }),
+            Source::Table(table) => table.value(time),
+        };
+        self.factor * value
     }
 
     /// True when it is a number whatever the position and time.
     pub fn as_constant(&self) -> Option<f64> {
-        self.expression.as_constant().map(|value| self.factor * value)
+        match &self.source {
+            Source::Expression(expression) => expression.as_constant().map(|value| self.factor * value),
+            Source::Table(_) => None,
+        }
     }
 
     /// True when it changes in time.
     pub fn depends_on_time(&self) -> bool {
-        self.expression.depends_on_time()
+        match &self.source {
+            Source::Expression(expression) => expression.depends_on_time(),
+            Source::Table(_) => true,
+        }
     }
 
     /// True when it changes in space.
     pub fn depends_on_space(&self) -> bool {
-        self.expression.depends_on_space()
+        matches!(&self.source, Source::Expression(expression) if expression.depends_on_space())
     }
 }
 
