@@ -7,11 +7,11 @@ use serde_json::{Value, json};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-const CASE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/kratos/imp_newmark_quad4");
 const NAME: &str = "imp_newmark_quad4";
 
 /// A copy of the case: its folder, project and materials, to be changed and run.
 struct Copy {
+    case: &'static str,
     folder: tempfile::TempDir,
     project: Value,
     materials: Value,
@@ -19,12 +19,17 @@ struct Copy {
 
 impl Copy {
     fn new() -> Self {
-        let read = |name: &str| serde_json::from_slice(&fs::read(Path::new(CASE).join(name)).unwrap()).unwrap();
+        Self::of(NAME)
+    }
+
+    fn of(case: &'static str) -> Self {
+        let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/kratos").join(case);
+        let read = |name: &str| serde_json::from_slice(&fs::read(source.join(name)).unwrap()).unwrap();
         let folder = tempfile::tempdir().unwrap();
-        for name in [format!("{NAME}_Grid.mdpa"), format!("{NAME}_Body.mdpa")] {
-            fs::copy(Path::new(CASE).join(&name), folder.path().join(&name)).unwrap();
+        for name in [format!("{case}_Grid.mdpa"), format!("{case}_Body.mdpa")] {
+            fs::copy(source.join(&name), folder.path().join(&name)).unwrap();
         }
-        Self { folder, project: read("ProjectParameters.json"), materials: read("ParticleMaterials.json") }
+        Self { case, folder, project: read("ProjectParameters.json"), materials: read("ParticleMaterials.json") }
     }
 
     fn file(&self, name: &str) -> PathBuf {
@@ -33,7 +38,7 @@ impl Copy {
 
     /// Changes the text of a mesh file.
     fn edit(&self, name: &str, change: impl Fn(&str) -> String) {
-        let path = self.file(&format!("{NAME}_{name}.mdpa"));
+        let path = self.file(&format!("{}_{name}.mdpa", self.case));
         fs::write(&path, change(&fs::read_to_string(&path).unwrap())).unwrap();
     }
 
@@ -174,4 +179,35 @@ fn line_load_on_material_point_conditions() {
         let error = (momentum[0] - impulse).abs() / impulse;
         assert!(error < 1e-9 && momentum[1].abs() < 1e-9 * impulse, "{count} {even}: {momentum:?}, impulse {impulse}");
     }
+}
+
+/// A condition that stands in two parts is one load.
+#[test]
+fn a_load_in_two_parts_acts_once() {
+    let plain = Copy::of("cond_grid_pressure_quad4").run();
+    let copy = Copy::of("cond_grid_pressure_quad4");
+    copy.edit("Grid", |text| {
+        let rows = |part: &str| part.split("End SubModelPartConditions").next().unwrap_or("").trim().to_string();
+        let lists = text.split("Begin SubModelPartConditions").skip(1).map(rows);
+        let list = lists.filter(|rows| !rows.is_empty()).last().unwrap();
+        format!("{}\nBegin SubModelPart Again\nBegin SubModelPartConditions\n{list}\nEnd SubModelPartConditions\nEnd SubModelPart\n", text.trim_end())
+    });
+    assert_eq!(copy.run(), plain);
+}
+
+/// Body accelerations add up, and one whose time is over takes nothing from another.
+#[test]
+fn body_accelerations_add_up() {
+    let force = |value: f64, interval: [f64; 2]| {
+        json!({"python_module": "assign_body_acceleration_to_material_point_process",
+               "Parameters": {"model_part_name": "MPM_Material", "value": [value, 0.0, 0.0], "interval": interval}})
+    };
+    let run = |forces: Value| {
+        let mut copy = Copy::new();
+        copy.project["processes"] = json!({"forces": forces});
+        copy.run()
+    };
+    let whole = run(json!([force(2.0, [0.0, 1.0])]));
+    assert_eq!(run(json!([force(2.0, [0.0, 0.1]), force(2.0, [0.105, 1.0])])), whole, "one after the other");
+    assert_eq!(run(json!([force(0.5, [0.0, 1.0]), force(1.5, [0.0, 1.0])])), whole, "together");
 }

@@ -35,9 +35,16 @@ pub struct RunArguments {
     record_states: NonZeroUsize,
 }
 
+/// Beyond this a number of threads is a slip of the hand.
+const MOST_THREADS: usize = 1024;
+
 /// Runs a project.
 pub fn run(arguments: &RunArguments, registry: &Registry) -> ExitCode {
     report::start_log(arguments.quiet);
+    if let Some(threads) = arguments.threads.filter(|threads| threads.get() > MOST_THREADS) {
+        report::complain!("error: {threads} threads are more than the {MOST_THREADS} that make sense");
+        return ExitCode::from(2);
+    }
     let threads = arguments.threads.or_else(|| std::thread::available_parallelism().ok()).map_or(1, usize::from);
     if let Err(error) = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global() {
         report::complain!("error: {threads} threads cannot be started: {error}");

@@ -11,6 +11,7 @@ use crate::solving::solver::Solver;
 use crate::variables::{Rank, Variable};
 use std::any::{Any, TypeId};
 use std::collections::HashMap;
+use std::path::PathBuf;
 
 /// What a component is built from.
 pub struct Building<'a> {
@@ -22,6 +23,22 @@ pub struct Building<'a> {
     pub options: &'a RunOptions,
     /// The whole project, for the few components that look beside their own settings.
     pub project: &'a Parameters,
+}
+
+impl Building<'_> {
+    /// A result file, refused where it would take the place of an input file.
+    ///
+    /// # Errors
+    /// The file is the project, its materials or a mesh.
+    pub fn result_file(&self, path: PathBuf) -> Result<PathBuf, InputErrors> {
+        match self.project.is_input(&path) {
+            true => {
+                let message = format!("the result {} would overwrite an input file", path.display());
+                Err(self.settings.parameters().error(message).help("choose another name or folder").into())
+            }
+            false => Ok(path),
+        }
+    }
 }
 
 /// A process and how to build it.
@@ -94,6 +111,7 @@ pub struct Registry {
     processes: Vec<ProcessEntry>,
     modelers: Vec<ModelerEntry>,
     solvers: Vec<SolverEntry>,
+    body_mesh: Option<(&'static str, &'static str)>,
     catalogues: HashMap<TypeId, Box<dyn Any + Send + Sync>>,
 }
 
@@ -123,6 +141,17 @@ impl Registry {
     /// Adds a process.
     pub fn process(&mut self, entry: ProcessEntry) {
         self.processes.push(entry);
+    }
+
+    /// Says which root part holds body meshes, and how their element names begin, unless the input
+    /// says otherwise. The first application that says so rules.
+    pub fn body_mesh(&mut self, part: &'static str, element: &'static str) {
+        self.body_mesh.get_or_insert((part, element));
+    }
+
+    /// Root part and beginning of element names of body meshes, if an application has named them.
+    pub fn body_mesh_names(&self) -> Option<(&'static str, &'static str)> {
+        self.body_mesh
     }
 
     /// Adds a modeler.

@@ -31,16 +31,15 @@ impl ActiveCells {
         &self.points[self.starts[index] as usize..self.starts[index + 1] as usize]
     }
 
-    /// Sorts the points of all blocks into their cells; `extra` cells are active without points.
-    pub fn gather(&mut self, blocks: &[Block], extra: &[u32], total: usize) {
+    /// Sorts the points of all blocks into their cells.
+    pub fn gather(&mut self, blocks: &[Block], total: usize) {
         self.counts.clear();
         self.counts.resize(total + 1, 0);
         let all = || blocks.iter().flat_map(|block| &block.cell).filter(|&&cell| cell != NO_CELL);
         for &cell in all() {
             self.counts[cell as usize] += 1;
         }
-        let mut active: Vec<bool> = self.counts.iter().map(|&count| count > 0).collect();
-        extra.iter().filter(|&&cell| cell != NO_CELL).for_each(|&cell| active[cell as usize] = true);
+        let active: Vec<bool> = self.counts.iter().map(|&count| count > 0).collect();
         self.cells = (0..total as u32).filter(|&cell| active[cell as usize]).collect();
         self.starts.clear();
         let mut next = 0;
@@ -91,6 +90,11 @@ pub fn search(points: &mut MaterialPoints, locator: &CellLocator, erase: bool) -
                 Some((cell, xi)) => {
                     block.cell[point] = *cell;
                     block.local.row_mut(point).copy_from_slice(&xi[..dimension]);
+                }
+                None if !block.position.row(point).iter().all(|x| x.is_finite()) => {
+                    let advice = "a smaller time step, and look at the loads and material constants";
+                    let failure = Failure::new("the position of a material point is not finite", advice);
+                    return Err(failure.at(format!("material point {}", block.ids[point]), block.coordinates(point)));
                 }
                 None if erase => {
                     keep.resize(block.len(), true);

@@ -24,7 +24,6 @@ impl Scene {
         let locator = self.locator.as_ref().map_or(String::new(), |locator| format!(", {}", locator.describe()));
         line("grid", format!("{} nodes, {} cells{locator}", grid.nodes.len(), grid.elements.len()));
         line("grid parts", grid.paths().join(", "));
-        line("kinematics", points.kinematics.to_string());
         for (index, body) in points.bodies.iter().enumerate() {
             for block in points.blocks.iter().filter(|block| block.body == index) {
                 line(&format!("body {body}"), describe(block));
@@ -37,7 +36,7 @@ impl Scene {
             line("grid loads", points.conditions.grid.len().to_string());
         }
         let mut active = ActiveCells::default();
-        active.gather(&points.blocks, &[], grid.elements.len());
+        active.gather(&points.blocks, grid.elements.len());
         let dofs = active_dofs(&grid.elements, grid.nodes.len(), &active.cells, points.dimension());
         line("dofs at the start", format!("{} on {} active cells", dofs.order(), active.len()));
         let bytes: usize = points.blocks.iter().map(Block::bytes).sum();
@@ -122,8 +121,9 @@ fn body_measure(model: &Model, points: &MaterialPoints) -> f64 {
 fn describe(block: &Block) -> String {
     let mass: f64 = block.mass.values().iter().sum();
     format!(
-        "{} points, {}, mass {mass:.6e} kg, volume {:.6e} m³, wave speed {:.4e} m/s",
+        "{} points, {}, {}, mass {mass:.6e} kg, volume {:.6e} m³, wave speed {:.4e} m/s",
         block.len(),
+        block.kinematics,
         block.law_name,
         mass / block.density,
         block.law.wave_speed(block.density)
@@ -134,6 +134,15 @@ fn columns(points: &MaterialPoints, used: bool) -> String {
     let Some(block) = points.blocks.first() else { return String::new() };
     let names = block.columns().into_iter().filter(|(_, column)| column.is_used() == used).map(|(name, _)| name);
     names.collect::<Vec<_>>().join(", ")
+}
+
+/// Points that were lost on the way.
+pub fn remarks(model: &Model) -> Vec<String> {
+    let lost = points_of(model).filter(|points| points.lost > 0);
+    let tell = |points: &MaterialPoints| {
+        format!("{} material points left the grid and were erased, {:.6e} kg with them", points.lost, points.lost_mass)
+    };
+    lost.map(tell).into_iter().collect()
 }
 
 /// Energies that the columns in use allow.
@@ -181,7 +190,7 @@ pub fn save_state(model: &Model, folder: &Path) -> Result<Vec<PathBuf>, Error> {
             data.point_fields.push(Field { name: variable.into(), components, values: FieldData::F64(values) });
         }
     }
-    let path = folder.join("failed_state.vtu");
+    let path = folder.join(bia_kernel::analysis::FAILED_STATE);
     let written = std::fs::create_dir_all(folder).and_then(|()| write_vtu(&path, &data, None, &VtuOptions::default()));
     match written {
         Ok(_) => Ok(vec![path]),

@@ -25,6 +25,7 @@ use bia_kernel::registry::Registry;
 pub fn register(registry: &mut Registry) {
     variables::register(registry);
     names::register(registry);
+    registry.body_mesh("Initial_MPM_Material", "MPMUpdatedLagrangian");
     *registry.catalogue_mut() = bia_constitutive::catalogue();
     solvers::register(registry);
     processes::register(registry);

@@ -42,9 +42,22 @@ impl Loads<'_> {
 
     /// A loaded grid node without dofs: no material point reaches it, so its share of the load is lost.
     pub fn idle_node(&self, dofs: &ActiveDofs) -> Option<u32> {
-        let of_grid = self.conditions.grid.iter().flat_map(|&c| self.grid.conditions.nodes_of(c as usize));
-        let of_points = self.conditions.cell.iter().flat_map(|&cell| self.grid.elements.nodes_of(cell as usize));
+        let loaded = self.conditions.grid.iter().filter(|&&condition| self.is_loaded(condition as usize));
+        let of_grid = loaded.flat_map(|&condition| self.grid.conditions.nodes_of(condition as usize));
+        let pulled = (0..self.conditions.len()).filter(|&i| self.conditions.load[i] != [0.0; 3]);
+        let of_points = pulled.flat_map(|i| self.grid.elements.nodes_of(self.conditions.cell[i] as usize));
         of_grid.chain(of_points).copied().find(|&node| dofs.number(node).is_none())
+    }
+
+    /// Whether a grid condition carries a load of its own or of its nodes.
+    fn is_loaded(&self, condition: usize) -> bool {
+        let any = |fields: &Fields, index: usize| {
+            let vectors = [&POINT_LOAD, &LINE_LOAD, &SURFACE_LOAD];
+            vectors.iter().any(|variable| vector(fields, variable, index) != [0.0; 3])
+                || self.pressure(fields, index) != 0.0
+        };
+        let mut nodes = self.grid.conditions.nodes_of(condition).iter();
+        any(&self.grid.condition_fields, condition) || nodes.any(|&node| any(&self.grid.node_fields, node as usize))
     }
 
     fn point(&self, condition: usize, dofs: &ActiveDofs, increments: &[f64], forces: &mut [f64]) {

@@ -37,6 +37,8 @@ pub fn account(model: &Model) -> Map<String, Value> {
         head.insert("n_grid_nodes".into(), grid.nodes.len().into());
         head.insert("n_grid_elements".into(), grid.elements.len().into());
         head.insert("laws".into(), json!(laws));
+        head.insert("lost_points".into(), points.lost.into());
+        head.insert("lost_mass".into(), number(points.lost_mass));
     }
     head
 }

@@ -134,7 +134,7 @@ impl Scene {
             return Err(self.settings.settings.error("domain_size", message).into());
         }
         let locator = CellLocator::new(grid, self.settings.search_tolerance);
-        let kinematics = self.settings.kinematics(false);
+        let kinematics = self.settings.kinematics();
         let plan = Plan {
             grid,
             bodies,
@@ -200,7 +200,7 @@ impl Scene {
         let Some(locator) = &self.locator else { return Ok(()) };
         let lost = search(points, locator, self.settings.erase_lost)?;
         if lost > 0 && !self.told_loss {
-            tracing::warn!("{lost} material points left the grid and were erased; more are counted in the summary");
+            tracing::warn!("{lost} material points left the grid and were erased; any more are counted at the end");
             self.told_loss = true;
         }
         let conditions = &mut points.conditions;

@@ -319,16 +319,15 @@ impl SolverSettings {
     /// # Errors
     /// Unknown solver names and keys.
     pub fn linear_method(&self, symmetric: bool) -> Result<Method, InputErrors> {
-        linear::method(self.linear.as_ref(), Nature { symmetric, definite: true, dimension: self.dimension })
+        linear::method(self.linear.as_ref(), Nature { symmetric, dimension: self.dimension })
     }
 
-    /// Kinematics of the scene, given whether its laws are for plane stress.
-    pub fn kinematics(&self, plane_stress: bool) -> Kinematics {
-        match (self.dimension, self.axisymmetric, plane_stress) {
-            (3, _, _) => Kinematics::ThreeDimensional,
-            (1, _, _) => Kinematics::UniaxialStrain,
-            (_, true, _) => Kinematics::Axisymmetric,
-            (_, _, true) => Kinematics::PlaneStress,
+    /// Kinematics of the scene; plane stress is a matter of each law.
+    pub fn kinematics(&self) -> Kinematics {
+        match (self.dimension, self.axisymmetric) {
+            (3, _) => Kinematics::ThreeDimensional,
+            (1, _) => Kinematics::UniaxialStrain,
+            (_, true) => Kinematics::Axisymmetric,
             _ => Kinematics::PlaneStrain,
         }
     }

@@ -138,7 +138,11 @@ impl Recorder {
         };
         let mut partial = plan.path.clone();
         partial.as_mut_os_string().push(".partial");
-        let open = File::create(&partial).and_then(|file| {
+        let place = match plan.path.is_dir() {
+            true => Err(std::io::Error::other("it is a folder")),
+            false => Ok(()),
+        };
+        let open = place.and_then(|()| File::create(&partial)).and_then(|file| {
             let mut file = BufWriter::new(file);
             file.write_all(b"{\"snapshots\":[").map(|()| file)
         });

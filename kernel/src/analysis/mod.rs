@@ -6,7 +6,7 @@ mod project;
 pub use account::{Account, RecordPlan, number, peak_memory_mb};
 pub use project::Project;
 
-use crate::diagnostic::InputErrors;
+use crate::diagnostic::{Diagnostic, InputErrors, Place};
 use crate::error::Error;
 use crate::model::Model;
 use crate::parameters::{Document, Parameters};
@@ -16,6 +16,9 @@ use crate::solving::StepReport;
 use crate::solving::solver::{Inventory, Solver};
 use account::Recorder;
 use std::time::{Duration, Instant};
+
+/// Name of the file to which a failed run saves its state.
+pub const FAILED_STATE: &str = "failed_state.vtu";
 
 /// Watches a run: the command line shows progress with it.
 pub trait Observer {
@@ -37,6 +40,7 @@ pub struct Analysis {
     first_output: usize,
     clock: Clock,
     options: RunOptions,
+    project: Parameters,
     warnings: Vec<String>,
     stages: Vec<(&'static str, Duration)>,
 }
@@ -101,7 +105,8 @@ impl Analysis {
         let clock = Clock { start, time: start, end: project.problem.number("end_time"), ..Clock::default() };
         check_time_step(solver.as_mut(), &model, &clock, &project)?;
         let first_output = own + project.processes.len();
-        Ok(Self { model, solver, processes, first_output, clock, options, warnings, stages: Vec::new() })
+        let project = project.root;
+        Ok(Self { model, solver, processes, first_output, clock, options, project, warnings, stages: Vec::new() })
     }
 
     /// What the scene consists of.
@@ -138,7 +143,13 @@ impl Analysis {
     /// # Errors
     /// A numerical failure (after saving the state), or a file that cannot be written.
     pub fn run(&mut self, observer: &mut dyn Observer, record: Option<RecordPlan>) -> Result<Account, Error> {
+        // What an earlier run left must not be taken for this one's.
+        let _ = std::fs::remove_file(self.options.output.join(FAILED_STATE));
         let planned = self.planned_steps();
+        if let Some(plan) = record.as_ref().filter(|plan| self.project.is_input(&plan.path)) {
+            let message = format!("the record {} would overwrite an input file", plan.path.display());
+            return Err(Diagnostic::error(Place::default(), message).into());
+        }
         let mut recorder = record.map(|plan| Recorder::new(plan, planned, &self.clock)).transpose()?;
         let mut account = Account::start();
         match self.run_loop(observer, planned, &mut recorder, &mut account) {
@@ -155,6 +166,9 @@ impl Analysis {
                 return Err(Error::Failure(failure));
             }
             Err(other) => return Err(other),
+        }
+        for remark in self.solver.remarks(&self.model) {
+            tracing::warn!("{remark}");
         }
         account.steps = self.clock.step;
         account.end_time = self.clock.time;

@@ -20,7 +20,9 @@ impl ModelPart {
                 continue;
             };
             for (node, fixed, value) in rows {
-                target.store(&mut self.node_fields, nodes, node as usize, &value);
+                if !target.store(&mut self.node_fields, nodes, node as usize, &value) {
+                    unknown("a value of NodalData that is no number (or vector)", &variable);
+                }
                 if fixed {
                     target.fix(&mut self.node_fields, nodes, node as usize);
                 }
@@ -28,9 +30,13 @@ impl ModelPart {
         }
         for (variable, rows) in std::mem::take(&mut self.conditional_data) {
             match Target::find(registry, &variable) {
-                Some(target) => rows.iter().for_each(|(condition, value)| {
-                    target.store(&mut self.condition_fields, conditions, *condition as usize, value);
-                }),
+                Some(target) => {
+                    for (condition, value) in &rows {
+                        if !target.store(&mut self.condition_fields, conditions, *condition as usize, value) {
+                            unknown("a value of ConditionalData that is no number (or vector)", &variable);
+                        }
+                    }
+                }
                 None => unknown("ConditionalData", &variable),
             }
         }
@@ -57,7 +63,8 @@ impl Target {
         (variable.rank == Rank::Vector).then_some(Self { variable, component: Some(component) })
     }
 
-    fn store(&self, fields: &mut Fields, count: usize, index: usize, value: &Value) {
+    /// False for a value that does not fit the variable.
+    fn store(&self, fields: &mut Fields, count: usize, index: usize, value: &Value) -> bool {
         match (self.variable.rank, self.component, value) {
             (Rank::Vector, Some(component), Value::Number(number)) => {
                 fields.vector_mut(&self.variable, count)[index][component] = *number;
@@ -67,8 +74,9 @@ impl Target {
                 row.iter_mut().zip(numbers).for_each(|(entry, number)| *entry = *number);
             }
             (Rank::Scalar, _, Value::Number(number)) => fields.scalar_mut(&self.variable, count)[index] = *number,
-            _ => {}
+            _ => return false,
         }
+        true
     }
 
     fn fix(&self, fields: &mut Fields, count: usize, index: usize) {

@@ -12,7 +12,7 @@ use crate::parameters::{Key, Kind, Parameters, Range, Settings};
 use crate::registry::{Building, Modeler, ModelerEntry, Registry};
 
 const KEYS: &[Key] = &[
-    Key::new("model_part_name", Kind::Text, "\"Initial_MPM_Material\"", "root model part to make"),
+    Key::optional("model_part_name", Kind::Text, "root model part to make, by default the application's"),
     Key::required("bodies", Kind::List, "bodies, each a sub model part"),
 ];
 const BODY: &[Key] = &[
@@ -35,7 +35,7 @@ const BODY: &[Key] = &[
         "fitted: numbers of cells along the axes of a box, or [around, radial] and along of round ones",
     ),
     Key::optional("shape", Kind::Choice(SHAPES), "shape of the cells, by default quadrilateral or hexahedron"),
-    Key::optional("element_name", Kind::Text, "registered element, by default MPMUpdatedLagrangian2D4N and so on"),
+    Key::optional("element_name", Kind::Text, "registered element, by default that of the application for the shape"),
     Key::optional("rotation", Kind::Any, "degrees about z, or axis and angle; about the primitive's centre"),
     Key::new("translation", Kind::Vector3, "[0.0, 0.0, 0.0]", "motion after the rotation [m]"),
     Key::new("parts", Kind::List, "[]", "named sides and boxes of the body, with conditions if wanted"),
@@ -52,6 +52,7 @@ pub(super) fn register(registry: &mut Registry) {
 }
 
 struct Bodies {
+    root: String,
     bodies: Vec<Body>,
     settings: Settings,
 }
@@ -84,7 +85,15 @@ fn read(building: Building) -> Result<Bodies, InputErrors> {
         }
         bodies.push(body);
     }
-    errors.or(Bodies { bodies, settings: building.settings })
+    let by_application = building.registry.body_mesh_names().map(|names| names.0);
+    let root = match building.settings.get("model_part_name") {
+        Some(_) => building.settings.text("model_part_name").to_string(),
+        None => by_application.unwrap_or_default().to_string(),
+    };
+    if root.is_empty() {
+        errors.push(building.settings.error("model_part_name", "the key \"model_part_name\" is missing"));
+    }
+    errors.or(Bodies { root, bodies, settings: building.settings })
 }
 
 fn read_body(settings: &Settings, name: String, registry: &Registry) -> Result<Body, InputErrors> {
@@ -96,7 +105,12 @@ fn read_body(settings: &Settings, name: String, registry: &Registry) -> Result<B
     let shape = errors.absorb(cell_shape(settings, dimension, &format!("a {}", primitive.name)));
     // The parts are checked even where the shape is wrong.
     let shape = shape.unwrap_or(lattice_shape(dimension));
-    let element = errors.absorb(element_name(settings, registry, "MPMUpdatedLagrangian", shape));
+    let element = errors.absorb(element_name(
+        settings,
+        registry,
+        registry.body_mesh_names().map_or("Element", |names| names.1),
+        shape,
+    ));
     let parts = settings.get("parts").and_then(|list| errors.absorb(parts::read(list, shape, registry)));
     let is_grid = settings.text("fill") == "grid";
     let mesh = match (is_grid, &placement) {
@@ -181,7 +195,7 @@ impl Body {
 impl Modeler for Bodies {
     fn setup_geometry(&mut self, model: &mut Model, _: &Registry) -> Result<(), InputErrors> {
         let mut errors = InputErrors::default();
-        let mut root = ModelPart::new(self.settings.text("model_part_name"));
+        let mut root = ModelPart::new(&self.root);
         root.properties.insert(0, Properties::default());
         for body in &self.bodies {
             let (node, cell) = parts::append(&mut root, &body.mesh, &body.element);

@@ -125,7 +125,7 @@ fn create_entities(
     let geometry_cells = part.geometries.clone();
     let cells: &mut Cells = if category == Category::Element { &mut part.elements } else { &mut part.conditions };
     let first = cells.len() as u32;
-    let next_id = cells.ids.last().map_or(1, |id| id + 1);
+    let next_id = cells.ids.iter().max().map_or(1, |id| id.saturating_add(1));
     for (i, &geometry) in geometries.iter().enumerate() {
         cells.push(next_id + i as u32, &name, shape, 0, geometry_cells.nodes_of(geometry as usize));
     }

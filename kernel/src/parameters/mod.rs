@@ -15,6 +15,7 @@ pub use settings::Settings;
 
 use crate::diagnostic::{Diagnostic, InputErrors, Place};
 use serde_json::Value;
+use std::path::Path;
 use std::sync::Arc;
 
 /// A value of a JSON document together with its place.
@@ -55,6 +56,18 @@ impl Parameters {
     /// Its place in the file.
     pub fn place(&self) -> Place {
         self.document.place(&self.pointer)
+    }
+
+    /// Whether a path is this document itself, or an existing file beside it that the document names,
+    /// or a mesh.
+    pub fn is_input(&self, path: &Path) -> bool {
+        let Ok(found) = path.canonicalize() else { return false };
+        let own = self.document.path().canonicalize().is_ok_and(|own| own == found);
+        let is_mesh = found.extension().is_some_and(|extension| extension == "mdpa");
+        let folder = self.document.path().parent().unwrap_or_else(|| Path::new(""));
+        let materials = self.document.root().pointer("/solver_settings/material_import_settings/materials_filename");
+        let materials = materials.and_then(Value::as_str).and_then(|name| folder.join(name).canonicalize().ok());
+        own || is_mesh || materials == Some(found)
     }
 
     /// The member `key` of an object.

@@ -51,11 +51,6 @@ impl System {
         Self { matrix: BlockMatrix::new(pattern), rhs, cells, starts, places, place_starts, buffers: Vec::new() }
     }
 
-    /// True when the system was made for these cells.
-    pub fn fits(&self, cells: &[u32], starts: &[u32]) -> bool {
-        self.cells == cells && self.starts == starts
-    }
-
     /// Sets the right-hand side, and the matrix if wanted, to zero.
     pub fn clear(&mut self, with_matrix: bool) {
         self.rhs.fill(0.0);

@@ -9,8 +9,6 @@ use bia_linalg::{IterativeSettings, Method};
 pub struct Nature {
     /// The matrix is symmetric.
     pub symmetric: bool,
-    /// The matrix is positive definite at a stable state.
-    pub definite: bool,
     /// Dimension of space.
     pub dimension: usize,
 }
@@ -79,13 +77,7 @@ const ITERATIVE: &[&str] = &[
 /// # Errors
 /// Unknown names and keys.
 pub fn method(parameters: Option<&Parameters>, nature: Nature) -> Result<Method, InputErrors> {
-    let exact = if nature.definite && nature.symmetric {
-        Method::Symmetric
-    } else if nature.symmetric {
-        Method::Ldlt
-    } else {
-        Method::Lu
-    };
+    let exact = if nature.symmetric { Method::Symmetric } else { Method::Lu };
     let automatic =
         |tolerance: f64| Method::Automatic { symmetric: nature.symmetric, dimension: nature.dimension, tolerance };
     let Some(parameters) = parameters.filter(|p| p.value().as_object().is_none_or(|o| !o.is_empty())) else {
@@ -123,7 +115,7 @@ mod tests {
 
     fn chosen(text: &str, symmetric: bool) -> Result<String, InputErrors> {
         let parameters = Parameters::root(Document::parse(Path::new("p"), text.into())?);
-        let nature = Nature { symmetric, definite: symmetric, dimension: 2 };
+        let nature = Nature { symmetric, dimension: 2 };
         method(Some(&parameters), nature).map(|m| format!("{m:?}"))
     }
 

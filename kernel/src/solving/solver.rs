@@ -79,6 +79,12 @@ pub trait Solver: Send {
     /// Kinetic, strain and potential energy in joules, as far as they are known.
     fn energies(&self, model: &Model) -> Vec<(&'static str, f64)>;
 
+    /// What a user should know after the run, such as points that were lost.
+    #[allow(unused_variables)]
+    fn remarks(&self, model: &Model) -> Vec<String> {
+        Vec::new()
+    }
+
     /// Fixed facts for the account of a run (`n_mp`, `laws`, …).
     fn account(&self, model: &Model) -> serde_json::Map<String, serde_json::Value>;
 

@@ -109,7 +109,7 @@ impl Explicit {
             self.leave_edges(points, grid, time_step);
         }
         let before = std::mem::take(&mut self.active.cells);
-        self.active.gather(&points.blocks, &[], grid.elements.len());
+        self.active.gather(&points.blocks, grid.elements.len());
         if before != self.active.cells {
             self.nodes.renumber(grid, &self.active, points.dimension());
             let sizes = self.active.cells.iter().map(|&cell| self.limits.sizes[cell as usize]);
@@ -317,7 +317,7 @@ impl Solver for Explicit {
             grid.node_fields.vector_mut(&DISPLACEMENT, count);
         }
         let Some((grid, points)) = context.model.part(GRID).zip(points_of(context.model)) else { return Ok(()) };
-        self.active.gather(&points.blocks, &[], grid.elements.len());
+        self.active.gather(&points.blocks, grid.elements.len());
         self.nodes.renumber(grid, &self.active, points.dimension());
         let sizes = self.active.cells.iter().map(|&cell| self.limits.sizes[cell as usize]);
         self.limits.smallest = sizes.fold(f64::INFINITY, f64::min);
@@ -415,6 +415,10 @@ impl Solver for Explicit {
 
     fn energies(&self, model: &Model) -> Vec<(&'static str, f64)> {
         crate::inventory::energies(model)
+    }
+
+    fn remarks(&self, model: &Model) -> Vec<String> {
+        crate::inventory::remarks(model)
     }
 
     fn account(&self, model: &Model) -> serde_json::Map<String, serde_json::Value> {

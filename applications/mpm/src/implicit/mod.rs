@@ -100,7 +100,7 @@ impl Implicit {
     fn update_active(&mut self, points: &mut MaterialPoints, grid: &ModelPart) -> Result<(), Error> {
         self.scene.search(points)?;
         let before = std::mem::take(&mut self.active.cells);
-        self.active.gather(&points.blocks, &[], grid.elements.len());
+        self.active.gather(&points.blocks, grid.elements.len());
         if before != self.active.cells || self.system.is_none() {
             self.dofs = active_dofs(&grid.elements, grid.nodes.len(), &self.active.cells, points.dimension());
             self.system = Some(system(&grid.elements, &self.active.cells, &self.dofs));
@@ -367,6 +367,10 @@ impl Solver for Implicit {
 
     fn energies(&self, model: &Model) -> Vec<(&'static str, f64)> {
         crate::inventory::energies(model)
+    }
+
+    fn remarks(&self, model: &Model) -> Vec<String> {
+        crate::inventory::remarks(model)
     }
 
     fn account(&self, model: &Model) -> serde_json::Map<String, serde_json::Value> {

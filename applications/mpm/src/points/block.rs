@@ -29,6 +29,8 @@ pub struct Block {
     pub body: usize,
     /// Id of the properties.
     pub material: u32,
+    /// Kinematics under which its law was built.
+    pub kinematics: Kinematics,
     /// Name of the law in the materials file.
     pub law_name: String,
     /// The constitutive law.
@@ -89,11 +91,6 @@ impl Block {
     pub fn coordinates(&self, point: usize) -> [f64; 3] {
         let row = self.position.row(point);
         std::array::from_fn(|i| row.get(i).copied().unwrap_or(0.0))
-    }
-
-    /// Volume of a point in m³ from its mass and deformation.
-    pub fn current_volume(&self, point: usize) -> f64 {
-        self.mass.row(point)[0] / self.density * self.deformation_gradient(point).determinant()
     }
 
     /// Body force per mass of a point in m/s²: gravity and what functions add to it.
@@ -283,7 +280,7 @@ impl MaterialPoints {
     pub fn select(&self, path: &str) -> Option<Selection> {
         let initial = format!("Initial_{}", self.name);
         let (root, below) = path.split_once('.').map_or((path, None), |(root, below)| (root, Some(below)));
-        let is_root = root == self.name || root == initial || root == "Background_Grid";
+        let is_root = root == self.name || root == initial || root == crate::grid::GRID;
         let name = match (is_root, below) {
             (true, None) => return Some(Selection::All),
             (true, Some(below)) => below,

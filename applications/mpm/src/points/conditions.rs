@@ -97,11 +97,16 @@ pub fn generate(
     let mut next_id =
         if elements > nodes && elements > conditions { elements } else { nodes.max(conditions) } as u32 + 1;
     let names: Vec<&str> = grid.children.iter().map(|child| child.name.as_str()).collect();
+    // A load that stands in two parts acts once.
+    let mut taken = vec![false; conditions];
     for index in kratos_order(&names) {
         let part = &grid.children[index];
         match requests.0.iter().find(|request| request.part == part.name) {
             None => {
                 for &condition in part.conditions.iter().filter(|c| is_load(grid.conditions.name_of(**c as usize))) {
+                    if std::mem::replace(&mut taken[condition as usize], true) {
+                        continue;
+                    }
                     made.grid.push(condition);
                     made.grid_ids.push(grid.conditions.ids[condition as usize]);
                 }

@@ -201,6 +201,7 @@ fn new_block(plan: &Plan, body: usize, id: u32, element: u32) -> Result<Block, I
         Some(law) if !errors.any_error() => Ok(Block {
             body,
             material: id,
+            kinematics,
             law_name: entry.map_or_else(String::new, |entry| entry.name.to_string()),
             density: density(properties),
             gravity: [0.0; 3],

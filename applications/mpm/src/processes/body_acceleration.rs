@@ -37,7 +37,7 @@ pub fn register(registry: &mut Registry) {
         application: Some("MPMApplication"),
         keys: ACCELERATION,
         help: "body force per mass as functions of place and time, evaluated at each point in each step",
-        build: |building| Ok(Box::new(BodyAcceleration(Values::new(building)?))),
+        build: |building| Ok(Box::new(BodyAcceleration { values: Values::new(building)?, first: false })),
     });
     registry.process(ProcessEntry {
         name: "assign_initial_velocity_field_to_material_point_process",
@@ -66,11 +66,11 @@ impl Values {
         Ok(Self { settings, functions })
     }
 
-    /// Writes the values at each point of the part to the column that `choose` picks.
+    /// Adds the values at each point of the part to the column that `choose` picks.
     ///
     /// # Errors
     /// A value that is not finite.
-    fn write(
+    fn add(
         &self,
         points: &mut MaterialPoints,
         time: f64,
@@ -99,7 +99,7 @@ impl Values {
         let moved: [f64; 3] = of(block.displacement.row(point));
         let initial = std::array::from_fn(|a| position[a] - moved[a]);
         for (value, function) in row.iter_mut().zip(&self.functions) {
-            *value = function.at(position, initial, time);
+            *value += function.at(position, initial, time);
         }
         if row.iter().all(|value| value.is_finite()) {
             return Ok(());
@@ -111,19 +111,26 @@ impl Values {
     }
 }
 
-/// Body acceleration, evaluated at the start of each step.
-struct BodyAcceleration(Values);
+/// Body acceleration, evaluated at the start of each step; several processes add up.
+struct BodyAcceleration {
+    values: Values,
+    /// The first of them in the pipeline clears what the last step left.
+    first: bool,
+}
+
+/// Tells, in the model, that a process clears the body acceleration.
+struct Cleared;
 
 impl BodyAcceleration {
     fn apply(&self, context: &mut Context) -> Result<(), Error> {
         let time = context.clock.time;
         let Some(points) = context.model.extension_mut::<MaterialPoints>() else { return Ok(()) };
-        if Interval(self.0.settings.interval("interval")).contains(time) {
-            return self.0.write(points, time, |block| &mut block.body_acceleration);
+        if self.first {
+            points.blocks.iter_mut().for_each(|block| block.body_acceleration.values_mut().fill(0.0));
         }
-        let Some(selection) = points.select(self.0.settings.text("model_part_name")) else { return Ok(()) };
-        let blocks = points.blocks.iter_mut().filter(|block| selection.holds(block.body));
-        blocks.for_each(|block| block.body_acceleration.values_mut().fill(0.0));
+        if Interval(self.values.settings.interval("interval")).contains(time) {
+            self.values.add(points, time, |block| &mut block.body_acceleration)?;
+        }
         Ok(())
     }
 }
@@ -134,14 +141,16 @@ impl Process for BodyAcceleration {
     }
 
     fn connect(&mut self, model: &mut Model) -> Result<(), InputErrors> {
-        check_part(model, &self.0.settings)
+        self.first = model.extension::<Cleared>().is_none();
+        model.extend(Cleared);
+        check_part(model, &self.values.settings)
     }
 
     fn require(&self, requirements: &mut Requirements) {
         requirements.variables.push(Wanted {
             location: Location::Points,
             variable: BODY_ACCELERATION.into(),
-            place: self.0.settings.parameters().clone(),
+            place: self.values.settings.parameters().clone(),
         });
     }
 
@@ -173,6 +182,9 @@ impl Process for InitialVelocity {
     fn execute_before_solution_loop(&mut self, context: &mut Context) -> Result<(), Error> {
         let time = context.clock.time;
         let Some(points) = context.model.extension_mut::<MaterialPoints>() else { return Ok(()) };
-        self.0.write(points, time, |block| &mut block.velocity)
+        let Some(selection) = points.select(self.0.settings.text("model_part_name")) else { return Ok(()) };
+        let chosen = points.blocks.iter_mut().filter(|block| selection.holds(block.body));
+        chosen.for_each(|block| block.velocity.values_mut().fill(0.0));
+        self.0.add(points, time, |block| &mut block.velocity)
     }
 }

@@ -51,7 +51,7 @@ pub fn register(registry: &mut Registry) {
             };
             let name = if name.is_empty() { "energy" } else { name };
             let name = if name.contains('.') { name.to_string() } else { format!("{name}.{extension}") };
-            let path = building.options.output.join(folder).join(name);
+            let path = building.result_file(building.options.output.join(folder).join(name))?;
             let control = OutputControl::read(&building.settings);
             Ok(Box::new(Energy { settings: building.settings, path, file: None, format, control }))
         },

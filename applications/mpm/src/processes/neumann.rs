@@ -96,6 +96,11 @@ impl Process for Neumann {
             model.extend(Requests::default());
         }
         if let Some(requests) = model.extension_mut::<Requests>() {
+            if let Some(other) = requests.0.iter().find(|other| other.part == self.part) {
+                let message = format!("the part {:?} has a load already, at {}", self.part, other.place.place());
+                let help = "one process gives the load of a part; a function of t may change it in time";
+                return Err(self.settings.error("model_part_name", message).help(help).into());
+            }
             requests.0.push(request);
         }
         Ok(())

@@ -20,6 +20,7 @@ use std::path::{Path, PathBuf};
 fn registry() -> Registry {
     let mut registry = Registry::default();
     super::register(&mut registry);
+    registry.body_mesh("Initial_MPM_Material", "MPMUpdatedLagrangian");
     for (name, shape) in [
         ("Element1D2N", Shape::Line2),
         ("Element2D3N", Shape::Triangle3),
