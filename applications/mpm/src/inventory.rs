@@ -51,6 +51,7 @@ impl Scene {
     /// Legal but suspicious facts.
     fn warnings(&self, points: &MaterialPoints, model: &Model) -> Vec<String> {
         let mut warnings = body_warnings(model, points);
+        warnings.extend(self.settings.unread());
         for material in &self.materials {
             if !material.properties.tables.is_empty() {
                 let id = material.properties.id;

@@ -314,6 +314,31 @@ impl SolverSettings {
         errors.or(built)
     }
 
+    /// Keys that were given a value of their own but that the chosen method does not read.
+    pub fn unread(&self) -> Vec<String> {
+        let (method, keys): (_, &[&str]) = match (self.regime, &self.explicit) {
+            (_, Some(_)) => {
+                ("an explicit", &["consistent_mass_matrix", "newmark_beta", "damp_factor_m", "max_iteration"])
+            }
+            (Regime::Dynamic, None) => ("an implicit", &["stress_update", "compressible"]),
+            (_, None) => (
+                "a static or quasi-static",
+                &["stress_update", "compressible", "newmark_beta", "damp_factor_m", "consistent_mass_matrix"],
+            ),
+        };
+        let default = |key: &str| KEYS.iter().find(|k| k.name == key).map(|k| k.default);
+        let is_default = |key: &str| match (default(key), self.settings.get(key)) {
+            (Some(bia_kernel::parameters::Default::Json(text)), Some(given)) => {
+                serde_json::from_str::<serde_json::Value>(text).is_ok_and(|value| value == *given.value())
+            }
+            _ => true,
+        };
+        let unread = keys.iter().filter(|key| self.settings.given(key) && !is_default(key));
+        unread
+            .map(|key| self.settings.error(key, format!("{key:?} has no effect in {method} run")).to_string())
+            .collect()
+    }
+
     /// The linear solver for symmetric or unsymmetric tangents.
     ///
     /// # Errors
