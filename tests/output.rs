@@ -247,6 +247,24 @@ fn histories_hold_the_motion() {
     assert_eq!(nodes["NODE_3"]["NODAL_MASS"], json!([0.0, 0.0, 0.0, 0.0, 0.0]));
 }
 
+/// A check that never compares has not passed.
+#[test]
+fn a_check_that_compares_nothing_fails_and_says_why() {
+    let first = write(&with_histories(), &[]);
+    runs(first.path(), &[]);
+    let fails_with = |time_frequency: f64, variables: Value, why: &str| {
+        let parameters = json!({"model_part_name": "MPM_Material", "input_file_name": "points.json",
+                                "check_variables": variables, "time_frequency": time_frequency});
+        let scene = free_fall(0.095).with(process("mpm_from_json_check_result_process", parameters));
+        let second = write(&scene, &[]);
+        std::fs::copy(first.path().join("points.json"), second.path().join("points.json")).unwrap();
+        let text = fails(second.path(), 1);
+        assert!(text.contains("nothing was compared with") && text.contains(why), "{text}");
+    };
+    fails_with(1.0, json!(["MP_DISPLACEMENT"]), "\"time_frequency\" is 1 s");
+    fails_with(0.015, json!([]), "\"check_variables\" is empty");
+}
+
 /// One component of a vector, between other quantities, is written and checked as that number alone.
 #[test]
 fn a_component_of_a_vector_of_points_is_one_number() {
