@@ -247,6 +247,58 @@ fn histories_hold_the_motion() {
     assert_eq!(nodes["NODE_3"]["NODAL_MASS"], json!([0.0, 0.0, 0.0, 0.0, 0.0]));
 }
 
+/// A check that never compares has not passed.
+#[test]
+fn a_check_that_compares_nothing_fails_and_says_why() {
+    let first = write(&with_histories(), &[]);
+    runs(first.path(), &[]);
+    let fails_with = |time_frequency: f64, variables: Value, why: &str| {
+        let parameters = json!({"model_part_name": "MPM_Material", "input_file_name": "points.json",
+                                "check_variables": variables, "time_frequency": time_frequency});
+        let scene = free_fall(0.095).with(process("mpm_from_json_check_result_process", parameters));
+        let second = write(&scene, &[]);
+        std::fs::copy(first.path().join("points.json"), second.path().join("points.json")).unwrap();
+        let text = fails(second.path(), 1);
+        assert!(text.contains("nothing was compared with") && text.contains(why), "{text}");
+    };
+    fails_with(1.0, json!(["MP_DISPLACEMENT"]), "\"time_frequency\" is 1 s");
+    fails_with(0.015, json!([]), "\"check_variables\" is empty");
+}
+
+/// One component of a vector, between other quantities, is written and checked as that number alone.
+#[test]
+fn a_component_of_a_vector_of_points_is_one_number() {
+    let parameters = |file: &str, name: &str, list: &str| {
+        json!({"model_part_name": "MPM_Material", "time_frequency": 0.015, file: name,
+               list: ["MP_MASS", "MP_VELOCITY_Y", "MP_ACCELERATION_Y", "MP_DISPLACEMENT"]})
+    };
+    let output = parameters("output_file_name", "points.json", "gauss_points_output_variables");
+    let scene = free_fall(0.095).with(process("mpm_json_output_process", output));
+    let first = write(&scene, &[]);
+    runs(first.path(), &[]);
+    let text = std::fs::read_to_string(first.path().join("points.json")).unwrap();
+    let mut points: Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(points["MP_154"].as_object().unwrap().len(), 6, "{points}");
+    for k in 0..5 {
+        let time = 0.02 * (k + 1) as f64;
+        let number = |name: &str| points["MP_154"][name][k].as_f64().unwrap();
+        assert!((number("MP_MASS") - DENSITY / 16.0).abs() < 1e-9 * DENSITY);
+        assert!((number("MP_VELOCITY_Y") - SPEED + GRAVITY * time).abs() < 1e-9);
+        assert!((number("MP_ACCELERATION_Y") + GRAVITY).abs() < 1e-9);
+        assert!(number("MP_DISPLACEMENT_X").abs() < 1e-9 && number("MP_DISPLACEMENT_Z") == 0.0);
+        assert!((number("MP_DISPLACEMENT_Y") - SPEED * time + 0.5 * GRAVITY * time * time).abs() < 1e-9);
+    }
+
+    let check = parameters("input_file_name", "points.json", "check_variables");
+    let second = write(&free_fall(0.095).with(process("mpm_from_json_check_result_process", check)), &[]);
+    std::fs::write(second.path().join("points.json"), &text).unwrap();
+    runs(second.path(), &[]);
+    points["MP_154"]["MP_VELOCITY_Y"][2] = json!(0.5);
+    std::fs::write(second.path().join("points.json"), points.to_string()).unwrap();
+    let text = fails(second.path(), 1);
+    assert!(text.contains("material point 154, MP_VELOCITY_Y, step 6"), "{text}");
+}
+
 #[test]
 fn checks_pass_on_what_was_written_and_name_what_differs() {
     let check = |module: &str, part: &str, file: &str, variables: Value| {

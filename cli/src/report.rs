@@ -1,11 +1,12 @@
 //! What the user reads: faults of the input, the scene, the summary.
 
 use bia_kernel::analysis::{Account, peak_memory_mb};
-use bia_kernel::diagnostic::{InputErrors, Severity};
+use bia_kernel::diagnostic::{InputErrors, Place, Severity};
 use bia_kernel::error::Error;
 use bia_kernel::solving::solver::Inventory;
 use miette::{
-    GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteDiagnostic, NamedSource, Report, SourceOffset,
+    GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteDiagnostic, MietteError, MietteSpanContents,
+    NamedSource, Report, SourceCode, SourceOffset, SourceSpan, SpanContents,
 };
 use std::fmt::Arguments;
 use std::io::{IsTerminal, Write};
@@ -62,18 +63,7 @@ pub fn input(errors: &InputErrors) -> ExitCode {
         if let Some(help) = &diagnostic.help {
             shown = shown.with_help(help);
         }
-        let source =
-            diagnostic.place.file.as_deref().and_then(|file| Some((file, std::fs::read_to_string(file).ok()?)));
-        let report = match (source, diagnostic.place.line) {
-            (Some((file, text)), Some(line)) => {
-                let start = SourceOffset::from_location(&text, line, diagnostic.place.column.unwrap_or(1)).offset();
-                let rest = text.get(start..).and_then(|rest| rest.lines().next()).unwrap_or_default().trim_end();
-                let length = rest.chars().take(60).map(char::len_utf8).sum::<usize>();
-                let span = LabeledSpan::at(start..start + length, "here");
-                Report::new(shown.with_label(span)).with_source_code(NamedSource::new(file.display().to_string(), text))
-            }
-            _ => Report::new(shown),
-        };
+        let report = with_source(shown, &diagnostic.place);
         let mut text = String::new();
         match handler.render_report(&mut text, report.as_ref()) {
             Ok(()) => complain!("{}", text.trim_end_matches('\n')),
@@ -81,8 +71,65 @@ pub fn input(errors: &InputErrors) -> ExitCode {
         }
     }
     let count = errors.0.iter().filter(|d| d.severity == Severity::Error).count();
-    complain!("{count} error{} in the input; nothing was run or written.", if count == 1 { "" } else { "s" });
+    complain!("{} in the input; nothing was run or written.", counted(count, "error"));
     ExitCode::from(2)
+}
+
+/// Adds the line of the place and its neighbours; of a long line only the part around the column.
+fn with_source(shown: MietteDiagnostic, place: &Place) -> Report {
+    let source = place.file.as_deref().and_then(|file| Some((file, std::fs::read_to_string(file).ok()?)));
+    let (Some((file, text)), Some(line)) = (source, place.line) else { return Report::new(shown) };
+    let (name, column) = (file.display().to_string(), place.column.unwrap_or(1));
+    let start = SourceOffset::from_location(&text, line, column).offset();
+    let rest = text.get(start..).and_then(|rest| rest.lines().next()).unwrap_or_default().trim_end();
+    let length = rest.chars().take(60).map(char::len_utf8).sum::<usize>();
+    let before = text.get(..start).and_then(|before| before.rsplit('\n').next()).unwrap_or_default();
+    if before.chars().count() + rest.chars().count() <= LONGEST_LINE {
+        let span = LabeledSpan::at(start..start + length, "here");
+        return Report::new(shown.with_label(span)).with_source_code(NamedSource::new(name, text));
+    }
+    let (text, start) = window(before, rest);
+    let span = LabeledSpan::at(start..start + length, "here");
+    Report::new(shown.with_label(span)).with_source_code(Window { name, text, line, column })
+}
+
+/// Characters of a line that is shown as a whole.
+const LONGEST_LINE: usize = 200;
+
+/// The part of a long line around the place between `before` and `rest`, and where the place is in it.
+fn window(before: &str, rest: &str) -> (String, usize) {
+    let cut = before.char_indices().rev().nth(59).map_or(0, |(index, _)| index);
+    let end = rest.char_indices().nth(100).map_or(rest.len(), |(index, _)| index);
+    let head = format!("{}{}", if cut > 0 { "…" } else { "" }, &before[cut..]);
+    let tail = if end < rest.len() { "…" } else { "" };
+    (format!("{head}{}{tail}", &rest[..end]), head.len())
+}
+
+/// A part of a line that is shown with the line's number and the column in the whole line.
+struct Window {
+    name: String,
+    text: String,
+    line: usize,
+    column: usize,
+}
+
+impl SourceCode for Window {
+    fn read_span<'a>(
+        &'a self,
+        span: &SourceSpan,
+        before: usize,
+        after: usize,
+    ) -> Result<Box<dyn SpanContents<'a> + 'a>, MietteError> {
+        let inner = self.text.read_span(span, before, after)?;
+        let (line, column) = (self.line.saturating_sub(1), self.column.saturating_sub(1));
+        let name = self.name.clone();
+        Ok(Box::new(MietteSpanContents::new_named(name, inner.data(), *inner.span(), line, column, inner.line_count())))
+    }
+}
+
+/// `1 step`, `2 steps`.
+fn counted(count: usize, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 
 /// Shows why a run stopped; exit code 3, or 1 for a check process, or 2 for a file.
@@ -112,10 +159,11 @@ pub fn head(file: &Path, inventory: &Inventory, threads: usize) {
 /// Shows what the run did.
 pub fn summary(account: &Account) {
     let iterations: usize = account.iterations.iter().sum();
-    say!("done: {} steps to t = {:.6e} s, {iterations} Newton iterations", account.steps, account.end_time);
+    let (steps, iterations) = (counted(account.steps, "step"), counted(iterations, "Newton iteration"));
+    say!("done: {steps} to t = {:.6e} s, {iterations}", account.end_time);
     if let Some(first) = account.not_converged.first() {
-        let count = account.not_converged.len();
-        complain!("warning: {count} steps did not converge within max_iteration, the first is step {first}");
+        let count = counted(account.not_converged.len(), "step");
+        complain!("warning: {count} did not converge within max_iteration, the first is step {first}");
     }
     say!(
         "  {:24} {:.3} s, CPU {:.3} s",
@@ -138,5 +186,50 @@ pub fn summary(account: &Account) {
     }
     if account.files.len() > shown {
         say!("  {:24} … and {} more files", "", account.files.len() - shown);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shown(text: &str, line: usize, column: usize) -> String {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("p.json");
+        std::fs::write(&file, text).unwrap();
+        let place = Place { file: Some(file.into()), line: Some(line), column: Some(column), ..Place::default() };
+        let report = with_source(MietteDiagnostic::new("wrong"), &place);
+        let mut out = String::new();
+        let handler = GraphicalReportHandler::new_themed(GraphicalTheme::none()).with_context_lines(1);
+        handler.render_report(&mut out, report.as_ref()).unwrap();
+        out
+    }
+
+    #[test]
+    fn a_long_line_is_shown_around_the_column() {
+        let long = format!("{{\n{}\"naïve\": 17{}\n}}", "ä".repeat(5000), "b".repeat(5000));
+        let text = shown(&long, 2, 5001);
+        assert!(text.chars().count() < 600, "{text}");
+        assert!(text.contains("p.json:2:5001") && text.contains("ä\"naïve\": 17b"), "{text}");
+        let lines: Vec<&str> = text.lines().collect();
+        let source = lines.iter().position(|line| line.contains("naïve")).unwrap();
+        let column = |line: &str, what: char| line.chars().position(|c| c == what);
+        assert!(lines[source].trim_start().starts_with("2 |"), "{text}");
+        assert_eq!(
+            column(lines[source], '"'),
+            column(lines[source + 1], '^').or(column(lines[source + 1], '|')),
+            "{text}"
+        );
+    }
+
+    #[test]
+    fn a_short_line_is_shown_with_its_neighbours() {
+        let text = shown("{\n  \"a\": 1,\n  \"b\": 2\n}", 2, 3);
+        assert!(text.contains("p.json:2:3") && text.contains("\"b\": 2") && !text.contains('…'), "{text}");
+    }
+
+    #[test]
+    fn one_is_singular() {
+        assert_eq!([counted(0, "step"), counted(1, "step"), counted(2, "step")], ["0 steps", "1 step", "2 steps"]);
     }
 }

@@ -75,7 +75,9 @@ impl PointSource {
             let block = &points.blocks[block as usize];
             values.clear();
             for quantity in quantities {
+                let first = values.len();
                 append(block, point as usize, quantity.variable.name, &mut values);
+                keep_component(&mut values, first, quantity.component);
             }
             let id = block.ids[point as usize];
             visit(Entity { key: &format!("MP_{id}"), kind: "material point", id }, &values);
@@ -106,12 +108,22 @@ impl PointSource {
         for index in first..end {
             values.clear();
             for quantity in quantities {
+                let first = values.len();
                 append_condition(conditions, index, quantity.variable.name, &mut values);
+                keep_component(&mut values, first, quantity.component);
             }
             let id = conditions.ids[index];
             visit(Entity { key: &format!("MP_{id}"), kind: "material-point condition", id }, &values);
         }
         Ok(())
+    }
+}
+
+/// Leaves of the row that begins at `first` only the component that is meant, if only one is.
+fn keep_component(values: &mut Vec<f64>, first: usize, component: Option<usize>) {
+    if let Some(component) = component {
+        values.drain(first..first + component);
+        values.truncate(first + 1);
     }
 }
 

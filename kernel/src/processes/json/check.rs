@@ -17,7 +17,12 @@ pub const READING: &[Key] = &Key::join::<8, 6, 14>(
     SHARED,
     [
         Key::new("check_variables", Kind::Texts, "[]", "variables to be compared"),
-        Key::new("gauss_points_check_variables", Kind::Texts, "[]", "accepted: without effect in MPM"),
+        Key::new(
+            "gauss_points_check_variables",
+            Kind::Texts,
+            "[]",
+            "accepted where entities have such values: without effect",
+        ),
         Key::required("input_file_name", Kind::Text, "the file, relative to the project"),
         Key::new("tolerance", Kind::Number(Range::NOT_NEGATIVE), "1e-3", "allowed difference, in the variable's unit"),
         Key::new("relative_tolerance", Kind::Number(Range::NOT_NEGATIVE), "1e-6", "allowed relative difference"),
@@ -34,6 +39,9 @@ pub struct JsonCheck<S> {
     history: History,
     comparison: Comparison,
     countdown: Countdown,
+    /// Times at which it was to compare, and numbers that it compared then.
+    due: usize,
+    compared: usize,
 }
 
 /// When two numbers are equal, and with which stored number one is compared.
@@ -47,7 +55,11 @@ struct Comparison {
 }
 
 impl Comparison {
+    /// What is no finite number is equal to nothing, not even where everything is allowed.
     fn equal(&self, value: f64, expected: f64) -> bool {
+        if !value.is_finite() || !expected.is_finite() {
+            return false;
+        }
         let scale = value.abs().max(expected.abs());
         (value - expected).abs() <= (self.relative * scale).max(self.absolute)
     }
@@ -82,20 +94,39 @@ impl<S: EntitySource> JsonCheck<S> {
         };
         let countdown = Countdown::new(settings);
         match history {
-            Some(history) => errors.or(Self { name, source, quantities, path, history, comparison, countdown }),
+            Some(history) => {
+                let (due, compared) = (0, 0);
+                errors.or(Self { name, source, quantities, path, history, comparison, countdown, due, compared })
+            }
             None => Err(errors),
         }
     }
 
-    /// Compares all entities now.
-    fn compare(&self, model: &Model, clock: &Clock) -> Result<(), Error> {
+    /// Why nothing was compared; none if something was.
+    fn idle(&self, clock: &Clock) -> Option<String> {
+        let why = if self.compared > 0 {
+            return None;
+        } else if self.quantities.is_empty() {
+            "\"check_variables\" is empty".to_string()
+        } else if self.due == 0 {
+            let (every, length) = (self.countdown.every, clock.time - clock.start);
+            format!("\"time_frequency\" is {every} s, and the run of {length} s must be longer than that")
+        } else {
+            "the part has no entities".to_string()
+        };
+        Some(format!("{}: nothing was compared with {}: {why}", self.name, self.path.display()))
+    }
+
+    /// Compares all entities now; the number of numbers that were compared.
+    fn compare(&self, model: &Model, clock: &Clock) -> Result<usize, Error> {
         let tensor = self.source.tensor_length(model);
-        let (mut faults, mut first) = (0, None);
+        let (mut faults, mut first, mut compared) = (0, None, 0);
         self.source.visit(model, &self.quantities, &mut |entity, values| {
             let mut rest = values;
             for series in self.quantities.iter().flat_map(|quantity| quantity.series(tensor)) {
                 let (now, later) = rest.split_at(series.list.unwrap_or(1).min(rest.len()));
                 rest = later;
+                compared += now.len();
                 if let Err(fault) = self.compare_series(&entity, &series.name, series.list.is_some(), now, clock) {
                     faults += 1;
                     first.get_or_insert(fault);
@@ -103,7 +134,7 @@ impl<S: EntitySource> JsonCheck<S> {
             }
         })?;
         match first {
-            None => Ok(()),
+            None => Ok(compared),
             Some(first) if faults == 1 => Err(Error::Check(first)),
             Some(first) => Err(Error::Check(format!("{first}\n  and {} more values differ", faults - 1))),
         }
@@ -163,6 +194,32 @@ impl<S: EntitySource> Process for JsonCheck<S> {
     }
 
     fn execute_finalize_solution_step(&mut self, context: &mut Context) -> Result<(), Error> {
-        if self.countdown.is_due(context.clock) { self.compare(context.model, context.clock) } else { Ok(()) }
+        if self.countdown.is_due(context.clock) {
+            self.due += 1;
+            self.compared += self.compare(context.model, context.clock)?;
+        }
+        Ok(())
+    }
+
+    /// A check that compared nothing has not passed.
+    fn execute_finalize(&mut self, context: &mut Context) -> Result<(), Error> {
+        self.idle(context.clock).map_or(Ok(()), |message| Err(Error::Check(message)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_equal_within_either_tolerance_and_only_if_finite() {
+        let comparison =
+            |absolute, relative| Comparison { lookup: Lookup::Linear, lists_by_step: false, absolute, relative };
+        assert!(comparison(0.5, 0.0).equal(1.0, 1.5) && !comparison(0.25, 0.0).equal(1.0, 1.5));
+        assert!(comparison(0.0, 0.5).equal(2.0, 4.0) && !comparison(0.0, 0.25).equal(2.0, 4.0));
+        let lenient = comparison(f64::MAX, 1.0);
+        for other in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            assert!(!lenient.equal(other, 1.0) && !lenient.equal(1.0, other) && !lenient.equal(other, other));
+        }
     }
 }

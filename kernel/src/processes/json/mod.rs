@@ -36,7 +36,7 @@ const SHARED: [Key; 8] = [
         "entity_type",
         Kind::Choice(&["Element", "Condition"]),
         "\"Element\"",
-        "material points or their conditions",
+        "which entities are meant where both carry values",
     ),
 ];
 
@@ -95,17 +95,18 @@ fn refuse_flags(settings: &Settings) -> Result<(), InputErrors> {
 }
 
 /// Deals with the list `other` that the process of the other kind of entity has: of nodes there
-/// are no values on grid elements; with material points Kratos ignores it.
+/// are no values on grid elements; where entities carry values of their own, Kratos ignores it.
 fn other_list(settings: &Settings, other: &str, instead: &str, location: Location) -> Result<(), InputErrors> {
     if settings.texts(other).is_empty() {
         return Ok(());
     }
     if location == Location::Nodes {
         let diagnostic = settings.error(other, "grid elements have no values of their own");
-        return Err(diagnostic.help("material points have them: use the process whose name begins with mpm_").into());
+        let help = "use the process of the application whose entities carry such values";
+        return Err(diagnostic.help(help).into());
     }
     let place = settings.get(other).unwrap_or(settings.parameters()).place();
-    tracing::warn!("{place}: {other:?} has no effect on material points; {instead:?} has");
+    tracing::warn!("{place}: {other:?} has no effect here; {instead:?} has");
     Ok(())
 }
 

@@ -20,7 +20,7 @@ pub const WRITING: &[Key] = &Key::join::<8, 4, 12>(
             "gauss_points_output_variables",
             Kind::Texts,
             "[]",
-            "variables of material points or their conditions",
+            "variables of entities that carry values of their own",
         ),
         Key::required("output_file_name", Kind::Text, "the file"),
         Key::new("resultant_solution", Kind::Bool, "false", "write the sums over all entities as RESULTANT"),

@@ -50,6 +50,9 @@ pub const FILES: [Key; 14] = [
 /// More digits are neither needed nor printed.
 const MOST_DIGITS: i64 = 30;
 
+/// Digits after the point with which every double is exact.
+const ALL_DIGITS: usize = 1074;
+
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Format {
     Legacy(Encoding),
@@ -72,6 +75,8 @@ pub struct VtkFiles {
     precision: usize,
     kratos_exact: bool,
     series: BTreeMap<String, PvdSeries>,
+    /// Time of the last file of each name, in seconds.
+    last: BTreeMap<String, f64>,
     written: Vec<PathBuf>,
 }
 
@@ -104,6 +109,7 @@ impl VtkFiles {
             precision,
             kratos_exact: options.kratos_exact,
             series: BTreeMap::new(),
+            last: BTreeMap::new(),
             written: Vec::new(),
         })
     }
@@ -174,9 +180,16 @@ impl VtkFiles {
         work().map_err(|source| Error::Write { path: self.folder.clone(), source })
     }
 
-    /// Step or time as it stands in the names of files.
-    fn label(&self, clock: &Clock) -> String {
-        if self.by_time { format!("{:.*}", self.precision, clock.time) } else { clock.step.to_string() }
+    /// Step or time as it stands in the names of files. A time has as many digits more than the
+    /// settings ask for as tell it from the last time: no file takes the place of another one.
+    fn label(&self, name: &str, clock: &Clock) -> String {
+        if !self.by_time {
+            return clock.step.to_string();
+        }
+        let with = |digits: usize, time: f64| format!("{time:.digits$}");
+        let last = self.last.get(name).copied().filter(|last| *last != clock.time);
+        let differs = |digits: &usize| last.is_none_or(|last| with(*digits, last) != with(*digits, clock.time));
+        with((self.precision..=ALL_DIGITS).find(differs).unwrap_or(self.precision), clock.time)
     }
 
     /// Writes a file, and adds it to the series of this name if it is one of a series.
@@ -185,8 +198,10 @@ impl VtkFiles {
     /// Those of the file system.
     pub fn write(&mut self, name: &str, clock: &Clock, data: &Dataset, of_series: bool) -> Result<(), Error> {
         let extension = if self.is_vtu() { "vtu" } else { "vtk" };
-        let file = format!("{name}_0_{}.{extension}", self.label(clock));
-        self.write_as(name, &file, clock, data, of_series)
+        let file = format!("{name}_0_{}.{extension}", self.label(name, clock));
+        self.write_as(name, &file, clock, data, of_series)?;
+        self.last.insert(name.into(), clock.time);
+        Ok(())
     }
 
     /// Writes what does not change, such as the mesh under the points, labelled as step 0.

@@ -81,6 +81,34 @@ fn files_are_named_as_kratos_names_them() {
     assert_eq!(written(r#"{"file_format": "vtu"}"#), ["Body.pvd", "Body_0_2.vtu"]);
 }
 
+/// Times closer than the digits tell apart get more digits, and the others those of the settings.
+#[test]
+fn no_file_takes_the_place_of_another() {
+    let (times, data) = ([0.0, 0.02, 0.04, 0.06, 0.08, 0.1], Dataset::vertices(vec![[0.0; 3]]));
+    let expected = ["0.0", "0.02", "0.04", "0.06", "0.08", "0.1", "0.10"];
+    for (format, extension) in [("ascii", "vtk"), ("binary", "vtk"), ("vtu", "vtu")] {
+        let folder = tempfile::tempdir().unwrap();
+        let text = r#"{"output_control_type": "time", "output_precision": 1, "file_format": "FORMAT"}"#;
+        let (mut files, _) = files(folder.path(), &text.replace("FORMAT", format));
+        files.prepare().unwrap();
+        for (step, time) in times.into_iter().enumerate() {
+            for name in ["Body", "Grid"] {
+                files.write(name, &Clock { step, time, ..Clock::default() }, &data, true).unwrap();
+            }
+        }
+        let names = names(&folder.path().join("VTK"));
+        for name in ["Body", "Grid"] {
+            let labels: Vec<&str> = names
+                .iter()
+                .filter_map(|file| file.strip_prefix(name)?.strip_prefix("_0_")?.strip_suffix(extension))
+                .map(|label| label.trim_end_matches('.'))
+                .collect();
+            assert_eq!(labels.len(), times.len(), "{names:?}");
+            assert!(labels.iter().all(|label| expected.contains(label)), "{labels:?}");
+        }
+    }
+}
+
 #[test]
 fn a_vtu_series_is_complete_after_every_step() {
     let folder = tempfile::tempdir().unwrap();
