@@ -197,7 +197,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("p.json");
         std::fs::write(&file, text).unwrap();
-        let place = Place { file: Some(file.into()), line: Some(line), column: Some(column), ..Place::default() };
+        let place = Place { file: Some(file), line: Some(line), column: Some(column), ..Place::default() };
         let report = with_source(MietteDiagnostic::new("wrong"), &place);
         let mut out = String::new();
         let handler = GraphicalReportHandler::new_themed(GraphicalTheme::none()).with_context_lines(1);
