@@ -2,9 +2,11 @@
 
 use crate::active::{ActiveCells, active_dofs};
 use crate::grid::GRID;
+use crate::points::across;
 use crate::points::fields::{append, total_energies};
 use crate::points::{Block, MaterialPoints, Selection};
 use crate::scene::{Scene, points_of};
+use bia_constitutive::Kinematics;
 use bia_kernel::error::Error;
 use bia_kernel::io::dataset::{CellsOf, Dataset, Field, FieldData};
 use bia_kernel::io::vtu::{VtuOptions, write_vtu};
@@ -28,6 +30,9 @@ impl Scene {
             for block in points.blocks.iter().filter(|block| block.body == index) {
                 line(&format!("body {body}"), describe(block));
             }
+        }
+        if let Some(volume) = body_measure(model, points) {
+            line("volume of the body mesh", format!("{volume:.6e} m³"));
         }
         if !points.conditions.is_empty() {
             line("material-point conditions", points.conditions.len().to_string());
@@ -64,9 +69,11 @@ impl Scene {
                 ));
             }
         }
-        let body: f64 = body_measure(model, points);
         let volume: f64 = points.blocks.iter().map(volume_of).sum();
-        if body > 0.0 && (volume / body - 1.0).abs() > 1e-9 && points.lost == 0 {
+        if let Some(body) = body_measure(model, points)
+            && (volume / body - 1.0).abs() > 1e-6
+            && points.lost == 0
+        {
             warnings.push(format!("the volume of the points, {volume}, differs from that of the body mesh, {body}"));
         }
         warnings
@@ -90,7 +97,7 @@ fn body_warnings(model: &Model, points: &MaterialPoints) -> Vec<String> {
     let count = |wanted: fn(u32) -> bool| owners.iter().filter(|owners| wanted(**owners)).count();
     tell(count(|owners| owners == 0), "no sub model part and makes no material points");
     tell(count(|owners| owners > 1), "several sub model parts of the first level and makes material points in each");
-    let axisymmetric = points.kinematics == bia_constitutive::Kinematics::Axisymmetric;
+    let axisymmetric = points.kinematics == Kinematics::Axisymmetric;
     for name in bodies.elements.names.iter().filter(|name| name.starts_with("MPM")) {
         if name.contains("Axisymmetry") && !axisymmetric {
             warnings.push(format!("{name} is computed as {}: set axis_symmetric_flag to true", points.kinematics));
@@ -105,18 +112,22 @@ fn volume_of(block: &Block) -> f64 {
     block.mass.values().iter().sum::<f64>() / block.density
 }
 
-/// Volume of the body mesh from its cells; 0 where thickness or revolution make it another thing.
-fn body_measure(model: &Model, points: &MaterialPoints) -> f64 {
-    let bodies = model.part(&format!("Initial_{}", points.name));
-    let Some(bodies) = bodies.filter(|_| points.kinematics == bia_constitutive::Kinematics::ThreeDimensional) else {
-        return 0.0;
+/// Volume of the body mesh from its cells and what their materials say of the extent across them;
+/// none under axisymmetry, where quadrature does not give the exact volume.
+fn body_measure(model: &Model, points: &MaterialPoints) -> Option<f64> {
+    let bodies = model.part(&format!("Initial_{}", points.name))?;
+    if points.kinematics == Kinematics::Axisymmetric {
+        return None;
+    }
+    let measure = |&element: &u32| {
+        let element = element as usize;
+        let (shape, corners) = (bodies.elements.shapes[element], bodies.corners(&bodies.elements, element));
+        let size = if shape.dimension() == 2 { shape.plane_area(&corners) } else { shape.measure(&corners) };
+        let material = bodies.properties.get(&bodies.elements.properties[element]);
+        let extent = across(points.kinematics).and_then(|name| material.and_then(|m| m.number(name)));
+        size * extent.unwrap_or(1.0)
     };
-    let of_part = |elements: &[u32]| -> f64 {
-        let measure =
-            |&e: &u32| bodies.elements.shapes[e as usize].measure(&bodies.corners(&bodies.elements, e as usize));
-        elements.iter().map(measure).sum()
-    };
-    bodies.children.iter().map(|child| of_part(&child.elements)).sum()
+    Some(bodies.children.iter().flat_map(|child| &child.elements).map(measure).sum())
 }
 
 fn describe(block: &Block) -> String {

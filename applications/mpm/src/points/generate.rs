@@ -226,7 +226,7 @@ fn new_block(plan: &Plan, body: usize, id: u32, element: u32) -> Result<Block, I
 }
 
 /// The material variable that gives the extent of a body across its mesh.
-fn across(kinematics: Kinematics) -> Option<&'static str> {
+pub fn across(kinematics: Kinematics) -> Option<&'static str> {
     match kinematics {
         Kinematics::ThreeDimensional => None,
         Kinematics::UniaxialStrain => Some("CROSS_AREA"),

@@ -6,4 +6,4 @@ pub mod fields;
 mod generate;
 
 pub use block::{Block, Columns, MaterialPoints, Selection, compress, expand, gradient_width, law_failure};
-pub use generate::{Plan, generate};
+pub use generate::{Plan, across, generate};
