@@ -32,6 +32,18 @@ fn blocks() {
             &["at /output_processes/energy/0", "the key \"Parameters\" is missing"],
         ),
         (
+            "a result in the place of the project",
+            |s| {
+                let file = "\"Parameters\": {\"output_file_settings\": {\"file_name\": \"ProjectParameters.json\"}, \"model_part";
+                s.replace(
+                    PROJECT,
+                    "\"Parameters\": {\"model_part_name\": \"MPM_Material\"",
+                    &format!("{file}_name\": \"MPM_Material\""),
+                )
+            },
+            &["/output_processes/energy/0", "would overwrite an input file"],
+        ),
+        (
             "Parametres",
             |s| s.replace(PROJECT, "\"Parameters\": {\"model", "\"Parametres\": {\"model"),
             &["at /output_processes/energy/0", "the key \"Parametres\" is unknown", "did you mean \"Parameters\"?"],

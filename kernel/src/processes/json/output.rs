@@ -60,6 +60,7 @@ impl<S: EntitySource> JsonOutput<S> {
             errors.push(settings.error("output_file_name", "names no file"));
         }
         let (path, resultant) = (building.options.output.join(file), settings.flag("resultant_solution"));
+        errors.absorb(building.result_file(path.clone()));
         let countdown = Countdown::new(settings);
         errors.or(Self { name, source, quantities, path, resultant, countdown, writer: None })
     }
