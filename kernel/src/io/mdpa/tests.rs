@@ -417,7 +417,8 @@ impl CellNames for ByEnding {
 /// Runs only where the folder of Kratos's cases is at hand (`BIA_KRATOS_CASES`).
 #[test]
 fn kratos_files_parse() {
-    let folder = std::env::var("BIA_KRATOS_CASES").unwrap_or_else(|_| "/work/shared/kratos_cases/cases".into());
+    let folder = std::env::var("BIA_KRATOS_CASES")
+        .unwrap_or_else(|_| concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/kratos_cases/cases").into());
     let Ok(cases) = std::fs::read_dir(&folder) else { return };
     let (mut files, mut bytes, mut seconds) = (0, 0, 0.0);
     for entry in cases.flatten().flat_map(|case| std::fs::read_dir(case.path()).into_iter().flatten().flatten()) {
