@@ -7,6 +7,7 @@
 //! - residual  R_ia = N_i m g_a − V Σ_b ∂_b N_i σ_ab;
 //! - tangent   K_ia,jb = V (B_iᵀ c B_j)_ab + V (∇N_i · σ ∇N_j) δ_ab.
 
+use super::kratos_faults::KratosFaults;
 use crate::points::{Block, law_failure};
 use bia_constitutive::{Deformation, Kinematics, Response, Want};
 use bia_kernel::error::Failure;
@@ -54,8 +55,8 @@ pub struct Integrator<'a> {
     pub kinematics: Kinematics,
     /// Time step in seconds.
     pub time_step: f64,
-    /// Kratos's tangent of the axisymmetric geometric stiffness instead of the derivative.
-    pub kratos_exact: bool,
+    /// Which of Kratos's faults act.
+    pub faults: KratosFaults,
     /// (1 - alpha) c0 of a consistent mass, none if lumped or without inertia.
     pub consistent_mass: Option<f64>,
 }
@@ -251,10 +252,8 @@ impl Integrator<'_> {
                 }
             }
             if axisymmetric {
-                // Kratos leaves out 1/r² here: its tangent is not the derivative, which shows in
-                // the iterates but not in the solution.
-                let (own, others) = if self.kratos_exact { (at.functions[i], &at.functions) } else { (hoop[i], &hoop) };
-                add_scaled(&mut cell_rows[i * D * D], volume * response.stress[2] * own, others);
+                let pair = self.faults.hoop(at.functions, hoop);
+                add_scaled(&mut cell_rows[i * D * D], volume * response.stress[2] * pair[i], &pair);
             }
         }
     }

@@ -2,6 +2,7 @@
 
 mod element;
 mod forgiving;
+mod kratos_faults;
 mod problem;
 mod transfer;
 
@@ -21,7 +22,7 @@ use bia_kernel::processes::{Clock, Context, Location, Process, Requirements, Res
 use bia_kernel::registry::Registry;
 use bia_kernel::solving::solver::{Inventory, Solver};
 use bia_kernel::solving::{ActiveDofs, Criterion, NonlinearSystem, StepReport, System};
-use forgiving::Forgiving;
+use kratos_faults::KratosFaults;
 use problem::{Inertia, Problem};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -132,28 +133,31 @@ impl Implicit {
         });
     }
 
+    fn faults(&self) -> KratosFaults {
+        KratosFaults(self.scene.options.kratos_exact)
+    }
+
     /// Sets the unknowns at the start of the step and the grid's DISPLACEMENT with them.
     ///
-    /// Imposed displacements are increments of the step. Kratos, in dynamic and quasi-static runs,
-    /// ignores what processes wrote in this step and uses what stood there at the end of the last
-    /// one (spec 03 §3): that fault is reproduced by `kratos_exact` alone.
+    /// Imposed displacements are increments of the step (spec 03 §3).
     fn predict_increments(&mut self, grid: &mut ModelPart) {
         let count = grid.nodes.len();
         let fixed = grid.node_fields.fixed(&DISPLACEMENT).map_or(Vec::new(), <[_]>::to_vec);
         let values = grid.node_fields.vector_mut(&DISPLACEMENT, count);
+        let ignored = self.faults().ignores_imposed(self.scene.settings.regime);
         if self.scene.settings.regime != Regime::Static {
             for (node, value) in values.iter_mut().enumerate() {
                 for a in 0..3 {
                     let held = fixed.get(node).is_some_and(|fixed| fixed[a]);
                     let kratos = if held { self.previous[node][a] } else { 0.0 };
-                    if held && value[a] != kratos && !self.scene.options.kratos_exact && !self.told.imposed {
+                    if held && value[a] != kratos && !ignored && !self.told.imposed {
                         self.told.imposed = true;
                         tracing::info!(
                             "imposed displacements change in time and act; Kratos 10.4.4 keeps those of the start \
                              (--kratos-exact does, too)"
                         );
                     }
-                    if !held || self.scene.options.kratos_exact {
+                    if !held || ignored {
                         value[a] = kratos;
                     }
                 }
@@ -177,8 +181,7 @@ impl Implicit {
         }
         let count = grid.nodes.len();
         let column = grid.node_fields.scalar_mut(&NODAL_MASS, count);
-        // Kratos's static solver never resets NODAL_MASS.
-        if !(self.scene.options.kratos_exact && self.scene.settings.regime == Regime::Static) {
+        if !self.faults().piles_up_mass(self.scene.settings.regime) {
             column.fill(0.0);
         }
         for (number, &node) in self.dofs.nodes().iter().enumerate() {
@@ -195,7 +198,7 @@ impl Implicit {
             sums: &self.sums,
             inertia: self.inertia.as_ref(),
             time_step,
-            kratos_exact: self.scene.options.kratos_exact,
+            faults: self.faults(),
             arch: self.arch,
             increments: self.increments.clone(),
             assembled: self.increments.clone(),
@@ -243,13 +246,12 @@ impl Solver for Implicit {
             mass: requirements.record || wants("NODAL_MASS"),
             velocity: wants("VELOCITY"),
             acceleration: wants("ACCELERATION"),
-            reaction: self.scene.settings.reactions || (wants("REACTION") && !self.scene.options.kratos_exact),
+            reaction: self.scene.settings.reactions || (wants("REACTION") && !self.faults().hides_reactions()),
         };
         let needed = Columns { motion: self.dynamic(), ..Columns::default() };
         let symmetric = self.scene.make_points(model, requirements, needed)?;
         let linear = solver(self.scene.settings.linear_method(symmetric)?);
-        let forgives = symmetric && self.scene.options.kratos_exact;
-        self.linear = Some(if forgives { Box::new(Forgiving::new(linear)) } else { linear });
+        self.linear = Some(self.faults().forgive(linear, symmetric));
         Ok(())
     }
 
@@ -326,10 +328,9 @@ impl Solver for Implicit {
             }
             let increments = std::mem::take(&mut this.increments);
             let accelerations = this.inertia.as_ref().map_or(Vec::new(), |i| i.final_acceleration(&increments));
-            // With the displacement criterion, or one solve a step, Kratos shows the volume of the
-            // last assembly, one correction behind.
-            let lags = !this.scene.settings.newton.criterion.as_ref().is_some_and(Criterion::needs_residual);
-            let of_volume = if lags && this.scene.options.kratos_exact { &this.assembled } else { &increments };
+            let needs_residual = this.scene.settings.newton.criterion.as_ref().is_some_and(Criterion::needs_residual);
+            let lags = this.faults().shows_old_volume(needs_residual);
+            let of_volume = if lags { &this.assembled } else { &increments };
             let nodal = NodalResults {
                 grid,
                 dofs: &this.dofs,
@@ -338,7 +339,7 @@ impl Solver for Implicit {
                 accelerations: &accelerations,
                 time_step,
                 gamma: this.scene.settings.point_gamma,
-                least_function: this.scene.options.kratos_exact.then_some(f64::EPSILON),
+                least_function: this.faults().least_function(),
             };
             update_points(points, &nodal)?;
             let least = nodal.least_function;
@@ -351,7 +352,7 @@ impl Solver for Implicit {
             if this.output.acceleration && this.dynamic() {
                 write_nodal(grid, &this.dofs, &ACCELERATION, &accelerations);
             }
-            if this.scene.options.kratos_exact && this.scene.settings.regime != Regime::Static {
+            if this.faults().ignores_imposed(this.scene.settings.regime) {
                 let count = grid.nodes.len();
                 this.previous.copy_from_slice(grid.node_fields.vector_mut(&DISPLACEMENT, count));
             }

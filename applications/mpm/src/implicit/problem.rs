@@ -1,6 +1,7 @@
 //! One step as a nonlinear system: residual and tangent over the active nodes.
 
 use super::element::{CellState, CellTask, Integrator};
+use super::kratos_faults::KratosFaults;
 use super::transfer::NodalSums;
 use crate::active::ActiveCells;
 use crate::grid::{corners, nodal_vectors, with_shape};
@@ -65,8 +66,8 @@ pub struct Problem<'a> {
     pub inertia: Option<&'a Inertia>,
     /// Time step in seconds.
     pub time_step: f64,
-    /// Reproduce Kratos's tangents.
-    pub kratos_exact: bool,
+    /// Which of Kratos's faults act.
+    pub faults: KratosFaults,
     /// Instruction set.
     pub arch: pulp::Arch,
     /// The unknowns.
@@ -114,7 +115,7 @@ impl NonlinearSystem for Problem<'_> {
             blocks: &self.points.blocks,
             kinematics: self.points.kinematics,
             time_step: self.time_step,
-            kratos_exact: self.kratos_exact,
+            faults: self.faults,
             consistent_mass: consistent.map(factor),
         };
         let this = &*self;
