@@ -1,6 +1,7 @@
 //! Shapes as types: functions and gradients on the stack, of a size known to the compiler.
 
 use super::Shape;
+use crate::lanes::Real;
 use std::array::from_fn;
 
 /// A shape with `D` local coordinates and `N` nodes.
@@ -8,9 +9,29 @@ pub trait CellShape<const D: usize, const N: usize>: Copy + Send + Sync + 'stati
     /// The same shape as a value.
     const SHAPE: Shape;
     /// Shape functions N_a(ξ).
-    fn functions(xi: &[f64; D]) -> [f64; N];
+    fn functions<R: Real>(xi: &[R; D]) -> [R; N];
     /// Local gradients ∂N_a/∂ξ_j as `[a][j]`.
-    fn gradients(xi: &[f64; D]) -> [[f64; D]; N];
+    fn gradients<R: Real>(xi: &[R; D]) -> [[R; D]; N];
+}
+
+/// Functions of one cell: those of its shape, or others that may differ from cell to cell.
+pub trait CellBasis<const D: usize, const N: usize>: Copy + Send + Sync {
+    /// Functions N_a(ξ).
+    fn functions<R: Real>(&self, xi: &[R; D]) -> [R; N];
+    /// Local gradients ∂N_a/∂ξ_j as `[a][j]`.
+    fn gradients<R: Real>(&self, xi: &[R; D]) -> [[R; D]; N];
+}
+
+impl<S: CellShape<D, N>, const D: usize, const N: usize> CellBasis<D, N> for S {
+    #[inline(always)]
+    fn functions<R: Real>(&self, xi: &[R; D]) -> [R; N] {
+        <S as CellShape<D, N>>::functions(xi)
+    }
+
+    #[inline(always)]
+    fn gradients<R: Real>(&self, xi: &[R; D]) -> [[R; D]; N] {
+        <S as CellShape<D, N>>::gradients(xi)
+    }
 }
 
 /// Line of two nodes.
@@ -36,43 +57,44 @@ pub struct Hexahedron8;
 impl CellShape<1, 2> for Line2 {
     const SHAPE: Shape = Shape::Line2;
 
-    #[inline]
-    fn functions(&[x]: &[f64; 1]) -> [f64; 2] {
-        [0.5 * (1.0 - x), 0.5 * (1.0 + x)]
+    #[inline(always)]
+    fn functions<R: Real>(&[x]: &[R; 1]) -> [R; 2] {
+        let one = R::splat(1.0);
+        [(one - x) * 0.5, (one + x) * 0.5]
     }
 
-    #[inline]
-    fn gradients(_: &[f64; 1]) -> [[f64; 1]; 2] {
-        [[-0.5], [0.5]]
+    #[inline(always)]
+    fn gradients<R: Real>(_: &[R; 1]) -> [[R; 1]; 2] {
+        [[R::splat(-0.5)], [R::splat(0.5)]]
     }
 }
 
 impl CellShape<2, 3> for Triangle3 {
     const SHAPE: Shape = Shape::Triangle3;
 
-    #[inline]
-    fn functions(&[x, y]: &[f64; 2]) -> [f64; 3] {
-        [1.0 - x - y, x, y]
+    #[inline(always)]
+    fn functions<R: Real>(&[x, y]: &[R; 2]) -> [R; 3] {
+        [R::splat(1.0) - x - y, x, y]
     }
 
-    #[inline]
-    fn gradients(_: &[f64; 2]) -> [[f64; 2]; 3] {
-        [[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]]
+    #[inline(always)]
+    fn gradients<R: Real>(_: &[R; 2]) -> [[R; 2]; 3] {
+        [[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]].map(|row: [f64; 2]| row.map(R::splat))
     }
 }
 
 impl CellShape<2, 4> for Quadrilateral4 {
     const SHAPE: Shape = Shape::Quadrilateral4;
 
-    #[inline]
-    fn functions(&[x, y]: &[f64; 2]) -> [f64; 4] {
-        let ([x0, x1], [y0, y1]) = (Line2::functions(&[x]), Line2::functions(&[y]));
+    #[inline(always)]
+    fn functions<R: Real>(&[x, y]: &[R; 2]) -> [R; 4] {
+        let ([x0, x1], [y0, y1]) = (line(x), line(y));
         [x0 * y0, x1 * y0, x1 * y1, x0 * y1]
     }
 
-    #[inline]
-    fn gradients(&[x, y]: &[f64; 2]) -> [[f64; 2]; 4] {
-        let (x, y) = (Line2::functions(&[x]).map(|n| 0.5 * n), Line2::functions(&[y]).map(|n| 0.5 * n));
+    #[inline(always)]
+    fn gradients<R: Real>(&[x, y]: &[R; 2]) -> [[R; 2]; 4] {
+        let (x, y) = (line(x).map(|n| n * 0.5), line(y).map(|n| n * 0.5));
         [[-y[0], -x[0]], [y[0], -x[1]], [y[1], x[1]], [-y[1], x[0]]]
     }
 }
@@ -80,35 +102,42 @@ impl CellShape<2, 4> for Quadrilateral4 {
 impl CellShape<3, 4> for Tetrahedron4 {
     const SHAPE: Shape = Shape::Tetrahedron4;
 
-    #[inline]
-    fn functions(&[x, y, z]: &[f64; 3]) -> [f64; 4] {
-        [1.0 - x - y - z, x, y, z]
+    #[inline(always)]
+    fn functions<R: Real>(&[x, y, z]: &[R; 3]) -> [R; 4] {
+        [R::splat(1.0) - x - y - z, x, y, z]
     }
 
-    #[inline]
-    fn gradients(_: &[f64; 3]) -> [[f64; 3]; 4] {
-        [[-1.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+    #[inline(always)]
+    fn gradients<R: Real>(_: &[R; 3]) -> [[R; 3]; 4] {
+        [[-1.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|row: [f64; 3]| row.map(R::splat))
     }
 }
 
 impl CellShape<3, 8> for Hexahedron8 {
     const SHAPE: Shape = Shape::Hexahedron8;
 
-    #[inline]
-    fn functions(&[x, y, z]: &[f64; 3]) -> [f64; 8] {
-        let (base, z) = (Quadrilateral4::functions(&[x, y]), Line2::functions(&[z]));
+    #[inline(always)]
+    fn functions<R: Real>(&[x, y, z]: &[R; 3]) -> [R; 8] {
+        let base = <Quadrilateral4 as CellShape<2, 4>>::functions(&[x, y]);
+        let z = line(z);
         from_fn(|a| base[a % 4] * z[a / 4])
     }
 
-    #[inline]
-    fn gradients(&[x, y, z]: &[f64; 3]) -> [[f64; 3]; 8] {
-        let (base, slope) = (Quadrilateral4::functions(&[x, y]), Quadrilateral4::gradients(&[x, y]));
-        let (z, dz) = (Line2::functions(&[z]), [-0.5, 0.5]);
+    #[inline(always)]
+    fn gradients<R: Real>(&[x, y, z]: &[R; 3]) -> [[R; 3]; 8] {
+        let base = <Quadrilateral4 as CellShape<2, 4>>::functions(&[x, y]);
+        let slope = <Quadrilateral4 as CellShape<2, 4>>::gradients(&[x, y]);
+        let (z, dz) = (line(z), [-0.5, 0.5]);
         from_fn(|a| {
             let (b, layer) = (a % 4, a / 4);
             [slope[b][0] * z[layer], slope[b][1] * z[layer], base[b] * dz[layer]]
         })
     }
+}
+
+#[inline(always)]
+fn line<R: Real>(x: R) -> [R; 2] {
+    <Line2 as CellShape<1, 2>>::functions(&[x])
 }
 
 /// Physical gradients ∂N_a/∂x_i as `[a][i]` (1/m) at ξ for a cell with these corners, and det J.
