@@ -10,6 +10,9 @@ use super::tensor::Family;
 /// Intervals whose coefficients differ by less share them: the same place in an even grid.
 const SAME: f64 = 1e-12;
 
+/// Share of the spacing within which an anchor is on a grid line, whatever its mean was rounded to.
+const ON_LINE: f64 = 1e-9;
+
 /// The functions of one axis.
 #[derive(Debug, Clone)]
 pub(super) struct AxisBasis {
@@ -21,6 +24,8 @@ pub(super) struct AxisBasis {
     kinds: Vec<u32>,
     /// Where each function is anchored: its node, or the mean of its inner knots (Greville).
     anchors: Vec<f64>,
+    /// The last grid line that is not above each anchor, and how far the anchor is towards the next.
+    between: Vec<(u32, f64)>,
 }
 
 impl AxisBasis {
@@ -54,7 +59,8 @@ impl AxisBasis {
             Family::Lagrange => nodes(lines, degree),
             Family::BSpline => greville(lines, degree),
         };
-        Self { family, degree, tables, kinds, anchors }
+        let between = anchors.iter().map(|&x| between_lines(lines, x)).collect();
+        Self { family, degree, tables, kinds, anchors, between }
     }
 
     /// Number of functions.
@@ -73,6 +79,13 @@ impl AxisBasis {
     /// Where the functions are anchored, in m, ascending.
     pub fn anchors(&self) -> &[f64] {
         &self.anchors
+    }
+
+    /// The last grid line that is not above a function's anchor, and the share of the spacing by which
+    /// the anchor is above it: 0 on a line.
+    pub fn between_lines(&self, function: usize) -> (usize, f64) {
+        let (line, share) = self.between[function];
+        (line as usize, share)
     }
 
     /// Coefficients of ξ^k of the functions of an interval as `[k][a]`; none for another degree.
@@ -149,6 +162,17 @@ fn b_spline(lines: &[f64], interval: usize, degree: usize) -> Vec<f64> {
         (0..count).for_each(|k| table[k * count + a] = functions[a][k]);
     }
     table
+}
+
+fn between_lines(lines: &[f64], x: f64) -> (u32, f64) {
+    let line = lines.partition_point(|line| *line <= x).max(1) - 1;
+    let Some(next) = lines.get(line + 1) else { return (line as u32, 0.0) };
+    let share = (x - lines[line]) / (next - lines[line]);
+    match share {
+        _ if share < ON_LINE => (line as u32, 0.0),
+        _ if share > 1.0 - ON_LINE => (line as u32 + 1, 0.0),
+        _ => (line as u32, share),
+    }
 }
 
 fn nodes(lines: &[f64], degree: usize) -> Vec<f64> {

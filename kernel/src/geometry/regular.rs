@@ -2,6 +2,7 @@
 
 use super::search_mesh::{LATTICE, SearchMesh};
 use crate::model::ModelPart;
+use std::array::from_fn;
 
 /// Place in the table without a cell.
 const NONE: u32 = u32::MAX;
@@ -49,6 +50,9 @@ pub enum Irregular {
     /// Two cells at one place.
     #[error("cells {0} and {1} lie on top of each other")]
     Overlap(u32, u32),
+    /// Two nodes at one place, which separate cells that a basis on the grid would join.
+    #[error("nodes {0} and {1} are at the same place")]
+    Slit(u32, u32),
     /// Spacings that differ too much for the tolerance of the search.
     #[error("its spacings along an axis differ by too much")]
     Graded,
@@ -149,6 +153,40 @@ impl RegularGrid {
             stride *= axis.len();
         }
         Some(self.table[index]).filter(|&cell| cell != NONE).map(|cell| cell as usize)
+    }
+
+    /// Number of grid lines along each axis; 1 beyond the dimension.
+    pub fn line_counts(&self) -> [usize; 3] {
+        from_fn(|d| self.axes.get(d).map_or(1, |axis| axis.lines.len()))
+    }
+
+    /// The node of `part` at each crossing of grid lines, first axis fastest; none in holes.
+    ///
+    /// # Errors
+    /// Two nodes at one place.
+    pub fn crossings(&self, part: &ModelPart) -> Result<Vec<Option<u32>>, Irregular> {
+        let [nx, ny, nz] = self.line_counts();
+        let mut nodes = vec![None; nx * ny * nz];
+        for cell in 0..self.len() {
+            let place = self.place(cell);
+            for &node in part.elements.nodes_of(cell) {
+                let x = part.nodes.coordinates[node as usize];
+                let [i, j, k] = from_fn(|d| match self.axes.get(d) {
+                    Some(Axis { lines, .. }) => {
+                        let (low, high) = (lines[place[d]], lines[place[d] + 1]);
+                        place[d] + usize::from(x[d] - low > high - x[d])
+                    }
+                    None => 0,
+                });
+                match nodes[i + nx * (j + ny * k)].replace(node) {
+                    Some(other) if other != node => {
+                        return Err(Irregular::Slit(part.nodes.ids[other as usize], part.nodes.ids[node as usize]));
+                    }
+                    _ => {}
+                }
+            }
+        }
+        Ok(nodes)
     }
 
     /// A cell that holds `x` up to rounding, the lowest of those that share a face there.

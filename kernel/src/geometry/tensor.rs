@@ -10,6 +10,9 @@ use super::{CellBasis, PlacedBasis, RegularGrid};
 use crate::lanes::Real;
 use std::array::from_fn;
 
+/// Values at a crossing that are rounding only.
+const NOTHING: f64 = 1e-12;
+
 /// Kinds of piecewise polynomials.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Family {
@@ -24,6 +27,7 @@ pub enum Family {
 pub struct TensorBasis {
     grid: RegularGrid,
     axes: Vec<AxisBasis>,
+    family: Family,
     degree: usize,
 }
 
@@ -41,12 +45,17 @@ impl TensorBasis {
     pub fn new(grid: RegularGrid, family: Family, degree: usize) -> Self {
         let degree = degree.max(1);
         let axes = (0..grid.dimension()).map(|axis| AxisBasis::new(grid.lines(axis), family, degree)).collect();
-        Self { grid, axes, degree }
+        Self { grid, axes, family, degree }
     }
 
     /// The grid.
     pub fn grid(&self) -> &RegularGrid {
         &self.grid
+    }
+
+    /// Kind of the polynomials.
+    pub fn family(&self) -> Family {
+        self.family
     }
 
     /// Degree along each axis.
@@ -80,6 +89,51 @@ impl TensorBasis {
             rest /= axis.len();
         }
         anchor
+    }
+
+    /// The crossings of grid lines around a function's anchor (see [`RegularGrid::crossings`]) with
+    /// the weights that interpolate there, products of linear functions: one crossing if the anchor is
+    /// on lines of all axes, up to 2^D if it is inside a cell.
+    pub fn around_anchor(&self, function: usize, mut visit: impl FnMut(usize, f64)) {
+        let (mut rest, counts) = (function, self.grid.line_counts());
+        let mut along = [[(0, 1.0), (0, 0.0)]; 3];
+        for (axis, pair) in self.axes.iter().zip(&mut along) {
+            let (line, share) = axis.between_lines(rest % axis.len());
+            *pair = [(line, 1.0 - share), (line + 1, share)];
+            rest /= axis.len();
+        }
+        for (k, z) in along[2] {
+            for (j, y) in along[1] {
+                for (i, x) in along[0] {
+                    if x * y * z > 0.0 {
+                        visit(i + counts[0] * (j + counts[1] * k), x * y * z);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The functions that do not vanish at a crossing of grid lines, with their values.
+    pub fn at_crossing(&self, crossing: usize, mut visit: impl FnMut(u32, f64)) {
+        let (mut rest, counts) = (crossing, self.grid.line_counts());
+        let mut along: [(usize, Vec<f64>); 3] = from_fn(|_| (0, vec![1.0]));
+        for (d, axis) in self.axes.iter().enumerate() {
+            let line = rest % counts[d];
+            rest /= counts[d];
+            let interval = line.saturating_sub(1);
+            along[d] = (axis.first(interval), axis.values(interval, if line == 0 { -1.0 } else { 1.0 }));
+        }
+        let lengths: [usize; 3] = from_fn(|d| self.axes.get(d).map_or(1, AxisBasis::len));
+        for (k, z) in along[2].1.iter().enumerate() {
+            for (j, y) in along[1].1.iter().enumerate() {
+                for (i, x) in along[0].1.iter().enumerate() {
+                    let [i, j, k] = [along[0].0 + i, along[1].0 + j, along[2].0 + k];
+                    if (x * y * z).abs() > NOTHING {
+                        visit((i + lengths[0] * (j + lengths[1] * k)) as u32, x * y * z);
+                    }
+                }
+            }
+        }
     }
 
     /// The functions of a cell, in their local order.

@@ -220,3 +220,47 @@ fn grids_say_why_they_are_not_regular() {
     assert_eq!(reason((coordinates, cells)), Irregular::Hanging(1));
     assert_eq!(reason((vec![[0.0; 3]], Vec::new())), Irregular::Empty);
 }
+
+#[test]
+fn crossings_interpolate_the_anchors_and_see_the_functions() {
+    let mut random = Random(8);
+    for (family, degree) in [(Family::Lagrange, 2), (Family::BSpline, 2), (Family::BSpline, 3)] {
+        let axes = [uneven(&mut random, 4), uneven(&mut random, 2), uneven(&mut random, 1)];
+        let (coordinates, cells) = tensor(&axes);
+        let (coordinates, cells) = renumbered(&mut random, &coordinates, &cells);
+        let part = part(coordinates, &cells);
+        let basis = TensorBasis::new(RegularGrid::new(&part).unwrap(), family, degree);
+        let nodes = basis.grid().crossings(&part).unwrap();
+        let x = |crossing: usize| part.nodes.coordinates[nodes[crossing].unwrap() as usize];
+        for function in 0..basis.len() {
+            let (mut sum, mut weights) = ([0.0; 3], 0.0);
+            basis.around_anchor(function, |crossing, weight| {
+                (0..3).for_each(|i| sum[i] += weight * x(crossing)[i]);
+                weights += weight;
+            });
+            let anchor = basis.anchor(function);
+            (0..3).for_each(|i| assert!((sum[i] - anchor[i]).abs() < 1e-12, "{sum:?} {anchor:?}"));
+            assert!((weights - 1.0).abs() < 1e-12);
+        }
+        for crossing in 0..nodes.len() {
+            let mut sum = [0.0; 3];
+            basis.at_crossing(crossing, |function, value| {
+                (0..3).for_each(|i| sum[i] += value * basis.anchor(function as usize)[i]);
+            });
+            (0..3).for_each(|i| assert!((sum[i] - x(crossing)[i]).abs() < 1e-12));
+        }
+        // The corner of the grid is interpolated.
+        let mut of_corner = Vec::new();
+        basis.at_crossing(0, |function, value| of_corner.push((function, value)));
+        assert_eq!(of_corner, [(0, 1.0)]);
+    }
+}
+
+#[test]
+fn doubled_nodes_are_a_slit() {
+    let (mut coordinates, mut cells) = tensor(&[vec![0.0, 1.0, 2.0], vec![0.0, 1.0]]);
+    coordinates.push(coordinates[1]);
+    cells[1].1[0] = 6;
+    let part = part(coordinates, &cells);
+    assert_eq!(RegularGrid::new(&part).unwrap().crossings(&part).unwrap_err(), Irregular::Slit(2, 7));
+}
