@@ -384,7 +384,8 @@ impl Tensor {
                 }
             }
         }
-        let inside = if inside.is_empty() { String::new() } else { format!(", such as those at {}", inside.join(", ")) };
+        let inside =
+            if inside.is_empty() { String::new() } else { format!(", such as those at {}", inside.join(", ")) };
         tracing::warn!(
             "B-splines hold {loose} fixed components of grid nodes only roughly{inside}: they interpolate at whole \
              faces of the grid; let the grid end where it is fixed, or use basis \"lagrange\""

@@ -365,7 +365,8 @@ impl Solver for Explicit {
                 self.gather(points, grid, Wanted::Force, time_step);
             }
             let axisymmetric = points.kinematics == Kinematics::Axisymmetric;
-            let loads = crate::loads::Loads { grid, space: &self.scene.space, conditions: &points.conditions, axisymmetric };
+            let loads =
+                crate::loads::Loads { grid, space: &self.scene.space, conditions: &points.conditions, axisymmetric };
             loads.add(&self.nodes.dofs, &[], &mut self.nodes.sums.force);
             self.nodes.accelerate(self.gamma() * time_step);
             if self.settings.scheme != Scheme::CentralDifference {
