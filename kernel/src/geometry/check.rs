@@ -1,6 +1,6 @@
 //! Faults of meshes: cells that are turned inside out, folded, flat or have a node twice.
 
-use super::Shape;
+use super::{Shape, ShapeTable};
 use crate::model::{Cells, ModelPart};
 
 /// Jacobian determinants below this share of (longest edge)^dimension count as zero.
@@ -119,16 +119,17 @@ fn check_cell(part: &ModelPart, cells: &Cells, cell: usize, space: usize) -> Opt
     }
     let corners = &corners[..shape.node_count()];
     let solid = shape.dimension() == space;
-    let measure = match shape.dimension() {
-        2 if solid => shape.plane_area(corners),
-        _ => shape.measure(corners),
-    };
     let scale = longest_edge(corners).powi(shape.dimension() as i32);
     let (smallest, largest) = extreme_determinants(shape, corners, solid);
     let flat = FLAT * scale;
     if smallest > flat {
-        None
-    } else if largest < -flat {
+        return None;
+    }
+    let measure = match shape.dimension() {
+        2 if solid => shape.plane_area(corners),
+        _ => shape.measure(corners),
+    };
+    if largest < -flat {
         Some(CellFault::Inverted { id, name: name(), shape, measure })
     } else if largest > flat || smallest < -flat {
         Some(CellFault::Folded { id, name: name(), shape, measure, smallest })
@@ -139,21 +140,21 @@ fn check_cell(part: &ModelPart, cells: &Cells, cell: usize, space: usize) -> Opt
 
 /// Smallest and largest det J over corners and Gauss points; NaN counts as zero.
 fn extreme_determinants(shape: Shape, corners: &[[f64; 3]], solid: bool) -> (f64, f64) {
-    let determinant = |xi: [f64; 3]| {
+    let determinant = |table: &ShapeTable| {
         let value = if solid && shape.dimension() == 2 {
-            let j = shape.jacobian(corners, xi);
+            let j = table.jacobian(corners);
             j[0][0] * j[1][1] - j[0][1] * j[1][0]
         } else {
-            shape.jacobian_determinant(corners, xi)
+            table.jacobian_determinant(corners)
         };
         if value.is_nan() { 0.0 } else { value }
     };
     if shape.is_affine() {
-        let value = determinant(shape.center());
+        let value = determinant(&ShapeTable::new(shape, shape.center()));
         return (value, value);
     }
-    let places = shape.reference_corners().iter().flat_map(|&xi| [xi, xi.map(|v| v / 3f64.sqrt())]);
-    places.map(determinant).fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)))
+    let tables = ShapeTable::corners(shape).iter().chain(ShapeTable::gauss_points(shape));
+    tables.map(determinant).fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)))
 }
 
 fn longest_edge(corners: &[[f64; 3]]) -> f64 {

@@ -1,5 +1,6 @@
 //! The shapes of cells.
 
+use super::ShapeTable;
 use super::cell::{CellShape, Hexahedron8, Line2, Quadrilateral4, Tetrahedron4, Triangle3};
 
 /// Shape of a cell, with Kratos's order of local nodes.
@@ -174,34 +175,14 @@ impl Shape {
     /// Jacobian of the map to physical coordinates, J\[i\]\[j\] = ∂x_i/∂ξ_j; columns beyond
     /// [`Shape::dimension`] are 0. `corners` holds one position for each node.
     pub fn jacobian(self, corners: &[[f64; 3]], xi: [f64; 3]) -> [[f64; 3]; 3] {
-        let mut gradients = [[0.0; 3]; 8];
-        self.gradients(xi, &mut gradients);
-        let mut jacobian = [[0.0; 3]; 3];
-        for (corner, gradient) in corners.iter().zip(&gradients[..self.node_count()]) {
-            for i in 0..3 {
-                for j in 0..3 {
-                    jacobian[i][j] += corner[i] * gradient[j];
-                }
-            }
-        }
-        jacobian
+        ShapeTable::new(self, xi).jacobian(corners)
     }
 
     /// Ratio of physical to local measure at ξ, by which weights are multiplied: det J of a solid
     /// (negative where it is inside out), |∂x/∂ξ × ∂x/∂η| of a triangle or quadrilateral,
     /// |∂x/∂ξ| of a line, 1 of a point.
     pub fn jacobian_determinant(self, corners: &[[f64; 3]], xi: [f64; 3]) -> f64 {
-        let jacobian = self.jacobian(corners, xi);
-        let column = |j: usize| [jacobian[0][j], jacobian[1][j], jacobian[2][j]];
-        match self.dimension() {
-            0 => 1.0,
-            1 => dot(column(0), column(0)).sqrt(),
-            2 => {
-                let normal = cross(column(0), column(1));
-                dot(normal, normal).sqrt()
-            }
-            _ => dot(cross(column(0), column(1)), column(2)),
-        }
+        ShapeTable::new(self, xi).jacobian_determinant(corners)
     }
 
     /// Length (m), area (m²) or volume (m³) of the cell with these corners; 1 for a point.
@@ -213,8 +194,7 @@ impl Shape {
         if self.is_affine() {
             return self.reference_measure() * self.jacobian_determinant(corners, self.center());
         }
-        let gauss_points = self.reference_corners().iter().map(|corner| corner.map(|v| v / 3f64.sqrt()));
-        gauss_points.map(|xi| self.jacobian_determinant(corners, xi)).sum()
+        ShapeTable::gauss_points(self).iter().map(|table| table.jacobian_determinant(corners)).sum()
     }
 
     /// Signed area (m²) of the projection to the first two coordinates, positive where the nodes
