@@ -15,6 +15,7 @@ mod quadrature;
 mod regular;
 mod search_mesh;
 mod shape;
+mod table;
 mod tensor;
 
 pub use cell::{CellBasis, CellShape, Hexahedron8, Line2, Quadrilateral4, Tetrahedron4, Triangle3, physical_gradients};
@@ -22,9 +23,10 @@ pub use check::{CellFault, check_cells};
 pub use inverse::{inverse_map, local_coordinates};
 pub use locate::CellLocator;
 pub use placed::{MeshCell, PlacedBasis};
-pub use quadrature::{QuadraturePoint, UnsupportedCount, allowed_counts, rule};
+pub use quadrature::{QuadraturePoint, UnevenCount, UnsupportedCount, allowed_counts, even_choices, even_rule, rule};
 pub use regular::{Irregular, RegularGrid};
 pub use shape::Shape;
+pub use table::ShapeTable;
 pub use tensor::{Family, TensorBasis, TensorCell};
 
 #[cfg(test)]

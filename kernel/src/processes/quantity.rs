@@ -61,6 +61,7 @@ impl Quantity {
         match (self.variable.rank, self.component) {
             (Rank::Vector, None) => ["X", "Y", "Z"].map(|axis| number(format!("{}_{axis}", self.name))).into(),
             (Rank::Voigt, _) => vec![Series { name: self.name.clone(), list: Some(tensor) }],
+            (Rank::Tensor, _) => vec![Series { name: self.name.clone(), list: Some(9) }],
             _ => vec![number(self.name.clone())],
         }
     }
