@@ -3,17 +3,20 @@
 mod element;
 mod forgiving;
 mod kratos_faults;
+mod midpoint;
 mod problem;
+mod projection;
 mod transfer;
 
 use crate::active::ActiveCells;
 use crate::grid::GRID;
 use crate::loads::Loads;
 use crate::points::{Columns, MaterialPoints};
-use crate::scene::{Scene, move_conditions, with_points};
+use crate::scene::{Scene, move_conditions, points_of, with_points};
 use crate::settings::{Regime, SolverSettings};
 use crate::space::Space;
 use crate::variables::{ACCELERATION, DISPLACEMENT, NODAL_MASS, REACTION, VELOCITY};
+use bia_constitutive::Deformation;
 use bia_kernel::diagnostic::InputErrors;
 use bia_kernel::error::Error;
 use bia_kernel::io::json::JsonObject;
@@ -21,9 +24,12 @@ use bia_kernel::linalg::{LinearSolver, solver};
 use bia_kernel::model::{Model, ModelPart};
 use bia_kernel::processes::{Clock, Context, Location, Process, Requirements, ResetNodes, RunOptions};
 use bia_kernel::registry::Registry;
+use bia_kernel::solving::scheme::Coefficients;
 use bia_kernel::solving::solver::{Inventory, Solver};
 use bia_kernel::solving::{ActiveDofs, Criterion, NonlinearSystem, StepReport, System};
+use element::Rule;
 use kratos_faults::KratosFaults;
+use nalgebra::Matrix3;
 use problem::{Inertia, Problem};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -56,6 +62,8 @@ pub struct Implicit {
     system: Option<System>,
     sums: NodalSums,
     inertia: Option<Inertia>,
+    /// Velocity of the grid, which the energy-conserving scheme keeps from step to step.
+    velocity: Vec<f64>,
     increments: Vec<f64>,
     assembled: Vec<f64>,
     /// DISPLACEMENT at the end of the last step, which is what Kratos's prediction reads.
@@ -84,6 +92,7 @@ impl Implicit {
             system: None,
             sums: NodalSums::default(),
             inertia: None,
+            velocity: Vec::new(),
             increments: Vec::new(),
             assembled: Vec::new(),
             previous: Vec::new(),
@@ -115,7 +124,7 @@ impl Implicit {
         if dynamic || self.output.mass {
             self.sums.gather(&points.blocks, &self.active, &self.scene.space, &self.dofs, dynamic);
         }
-        self.inertia = dynamic.then(|| {
+        self.inertia = (dynamic && !self.scene.settings.conserves_energy).then(|| {
             let block = self.dofs.block();
             let divided = |values: &[f64]| {
                 let at = |(dof, value): (usize, &f64)| {
@@ -132,6 +141,33 @@ impl Implicit {
                 acceleration: divided(&self.sums.inertia),
             }
         });
+    }
+
+    /// The inertia of the mid-point rule, M (v₁ − v₀) = Δt f with u = Δt (v₀ + v₁)/2. The grid's
+    /// velocity is that of the last step, at first the nearest to that of the points; whatever of
+    /// theirs it cannot represent stays with them.
+    fn prepare_midpoint(&mut self, points: &MaterialPoints, time_step: f64) -> Result<(), Error> {
+        let Some(system) = self.system.as_mut().filter(|_| self.scene.settings.conserves_energy) else {
+            return Ok(());
+        };
+        let is_first = self.velocity.len() != self.dofs.order();
+        self.velocity.resize(self.dofs.order(), 0.0);
+        let held = self.dofs.fixed().iter().zip(&self.increments);
+        for (v, (_, u)) in self.velocity.iter_mut().zip(held).filter(|(_, (held, _))| **held) {
+            *v = u / time_step;
+        }
+        if is_first {
+            let space = &self.scene.space;
+            projection::project(&points.blocks, &self.active, space, &self.dofs, system, &mut self.velocity)?;
+        }
+        self.inertia = Some(Inertia {
+            coefficients: Coefficients::midpoint(time_step),
+            alpha: 0.0,
+            consistent: true,
+            velocity: self.velocity.clone(),
+            acceleration: vec![0.0; self.dofs.order()],
+        });
+        Ok(())
     }
 
     fn faults(&self) -> KratosFaults {
@@ -200,6 +236,7 @@ impl Implicit {
             grid,
             space: &self.scene.space,
             frame: self.scene.settings.discretisation.frame,
+            rule: if self.scene.settings.conserves_energy { Rule::MidPoint } else { Rule::EndPoint },
             points,
             active: &self.active,
             dofs: &self.dofs,
@@ -261,7 +298,11 @@ impl Solver for Implicit {
         };
         let moves = self.dynamic();
         let needed = Columns { velocity: moves, acceleration: moves, local: true, ..Columns::default() };
-        let symmetric = self.scene.make_points(model, requirements, needed)?;
+        let conserves_energy = self.scene.settings.conserves_energy;
+        let symmetric = self.scene.make_points(model, requirements, needed)? && !conserves_energy;
+        if let Some(points) = points_of(model).filter(|_| conserves_energy) {
+            check_energies(points, &self.scene.settings)?;
+        }
         let linear = solver(self.scene.settings.linear_method(symmetric)?);
         self.linear = Some(self.faults().forgive(linear, symmetric));
         Ok(())
@@ -288,8 +329,8 @@ impl Solver for Implicit {
                 this.gather(points, time_step);
                 this.write_nodal_mass(grid);
                 this.predict_increments(grid);
-            });
-            Ok(())
+                this.prepare_midpoint(points, time_step)
+            })
         })
     }
 
@@ -344,6 +385,7 @@ impl Solver for Implicit {
             let lags = this.faults().shows_old_volume(needs_residual);
             let of_volume = if lags { &this.assembled } else { &increments };
             let space = &this.scene.space;
+            let velocities = this.inertia.as_ref().map_or(Vec::new(), |i| i.final_velocity(&increments));
             let nodal = NodalResults {
                 space,
                 frame: this.scene.settings.discretisation.frame,
@@ -351,13 +393,15 @@ impl Solver for Implicit {
                 increments: &increments,
                 increments_of_volume: of_volume,
                 accelerations: &accelerations,
+                velocities: &velocities,
+                flip_fraction: this.scene.settings.flip_fraction,
                 time_step,
-                gamma: this.scene.settings.point_gamma,
+                // The mid-point rule has one acceleration for the whole step.
+                gamma: if this.scene.settings.conserves_energy { 1.0 } else { this.scene.settings.point_gamma },
                 least_function: this.faults().least_function(),
             };
             update_points(points, &nodal)?;
             let least = nodal.least_function;
-            let velocities = this.inertia.as_ref().map_or(Vec::new(), |i| i.final_velocity(&increments));
             move_conditions(&mut points.conditions, space, &this.dofs, [&increments, &velocities], least);
             space.write_field(grid, &this.dofs, &DISPLACEMENT, &increments);
             if this.output.velocity && this.dynamic() {
@@ -371,6 +415,9 @@ impl Solver for Implicit {
                 this.previous.copy_from_slice(grid.node_fields.vector_mut(&DISPLACEMENT, count));
             }
             this.increments = increments;
+            if this.scene.settings.conserves_energy {
+                this.velocity = velocities;
+            }
             this.stages[TO_POINTS].1 += start.elapsed();
             Ok(())
         })
@@ -403,6 +450,19 @@ impl Solver for Implicit {
     fn save_state(&self, model: &Model, folder: &Path) -> Result<Vec<PathBuf>, Error> {
         crate::inventory::save_state(model, folder)
     }
+}
+
+/// The energy-conserving scheme is for laws that have an energy and no history.
+fn check_energies(points: &MaterialPoints, settings: &SolverSettings) -> Result<(), InputErrors> {
+    let undeformed = Deformation::from_gradient(Matrix3::identity());
+    let mut errors = InputErrors::default();
+    for block in &points.blocks {
+        if block.law.energy(&undeformed).is_none() || block.state.is_used() {
+            let message = format!("\"energy_conserving\" needs a strain energy, which {} has not", block.law_name);
+            errors.push(settings.settings.error("scheme_type", message).help("use a hyperelastic law, or newmark"));
+        }
+    }
+    errors.or(())
 }
 
 /// The system that couples the nodes of each active cell.

@@ -132,6 +132,10 @@ pub struct SolverSettings {
     pub newmark: Newmark,
     /// Weight of the new acceleration in the points' velocity.
     pub point_gamma: f64,
+    /// Implicit dynamics by the mid-point rule that keeps energy.
+    pub conserves_energy: bool,
+    /// Share of FLIP in the velocity of the points of implicit dynamics; the rest is PIC.
+    pub flip_fraction: f64,
     /// Newton's method.
     pub newton: Newton,
     /// The user's linear solver settings.
@@ -187,6 +191,9 @@ impl SolverSettings {
         };
         let is_explicit = regime == Regime::Dynamic && s.text("time_integration_method") == "explicit";
         check_scheme(&s, is_explicit, &mut errors);
+        if !is_explicit {
+            check_implicit(&s, regime, &mut errors);
+        }
         let stepping = errors.absorb(stepping(&s, is_explicit));
         let grid = errors.absorb(mesh(&s, "grid_model_import_settings", folder));
         let bodies = errors.absorb(mesh(&s, "model_import_settings", folder));
@@ -203,6 +210,8 @@ impl SolverSettings {
             explicit: is_explicit.then(|| explicit(&s)),
             newmark: newmark(&s),
             point_gamma: if s.text("point_velocity_rule") == "scheme" { newmark(&s).gamma() } else { 0.5 },
+            conserves_energy: conserves_energy(&s),
+            flip_fraction: if let Transfer::Flip(fraction) = Transfer::of(&s) { fraction } else { 1.0 },
             newton: newton(&s),
             linear: s.get("linear_solver_settings").cloned(),
             stepping,
@@ -273,6 +282,33 @@ fn scheme_name(s: &Settings) -> Option<&str> {
     s.given("scheme_type").then(|| s.text("scheme_type"))
 }
 
+fn conserves_energy(s: &Settings) -> bool {
+    scheme_name(s) == Some("energy_conserving")
+}
+
+/// What the energy-conserving scheme and implicit transfers cannot be combined with.
+fn check_implicit(s: &Settings, regime: Regime, errors: &mut InputErrors) {
+    if conserves_energy(s) {
+        if regime != Regime::Dynamic {
+            errors.push(s.error("scheme_type", "\"energy_conserving\" needs solver_type \"dynamic\""));
+        }
+        if Discretisation::of(s).frame != Frame::Total {
+            let help = "add \"frame\": \"total_lagrangian\"";
+            errors.push(s.error("scheme_type", "\"energy_conserving\" needs the total Lagrangian frame").help(help));
+        }
+        if s.text("analysis_type") == "linear" {
+            errors.push(s.error("analysis_type", "\"energy_conserving\" needs \"non_linear\""));
+        }
+        if Transfer::of(s) != Transfer::Flip(1.0) {
+            errors
+                .push(s.error("transfer", "\"energy_conserving\" needs \"flip\" with flip_fraction 1: PIC dissipates"));
+        }
+    } else if !matches!(Transfer::of(s), Transfer::Flip(_)) {
+        let message = format!("{:?} is for explicit runs", s.text("transfer"));
+        errors.push(s.error("transfer", message).help("implicit: \"flip\" with a flip_fraction, or \"pic\""));
+    }
+}
+
 /// Schemes of the other method, and what this build does not have.
 fn check_scheme(s: &Settings, is_explicit: bool, errors: &mut InputErrors) {
     let explicit_schemes = ["forward_euler", "central_difference"];
@@ -311,9 +347,11 @@ fn explicit(s: &Settings) -> ExplicitSettings {
 }
 
 fn newton(s: &Settings) -> Newton {
+    // Energy is kept as well as the equations are solved.
+    let number = |key: String, tight: f64| if conserves_energy(s) && !s.given(&key) { tight } else { s.number(&key) };
     let tolerances = |kind: &str| Tolerances {
-        relative: s.number(&format!("{kind}_relative_tolerance")),
-        absolute: s.number(&format!("{kind}_absolute_tolerance")),
+        relative: number(format!("{kind}_relative_tolerance"), 1e-11),
+        absolute: number(format!("{kind}_absolute_tolerance"), 0.0),
     };
     let (displacement, residual) = (tolerances("displacement"), tolerances("residual"));
     let criterion = match s.text("convergence_criterion") {
