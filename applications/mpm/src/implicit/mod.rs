@@ -4,6 +4,7 @@ mod element;
 mod forgiving;
 mod kratos_faults;
 mod midpoint;
+mod motion;
 mod problem;
 mod projection;
 mod transfer;
@@ -13,7 +14,7 @@ use crate::grid::GRID;
 use crate::loads::Loads;
 use crate::points::{Columns, MaterialPoints};
 use crate::scene::{Scene, move_conditions, points_of, with_points};
-use crate::settings::{Regime, SolverSettings};
+use crate::settings::{Frame, Regime, SolverSettings};
 use crate::space::Space;
 use crate::variables::{ACCELERATION, DISPLACEMENT, NODAL_MASS, REACTION, VELOCITY};
 use bia_constitutive::Deformation;
@@ -24,11 +25,11 @@ use bia_kernel::linalg::{LinearSolver, solver};
 use bia_kernel::model::{Model, ModelPart};
 use bia_kernel::processes::{Clock, Context, Location, Process, Requirements, ResetNodes, RunOptions};
 use bia_kernel::registry::Registry;
-use bia_kernel::solving::scheme::Coefficients;
 use bia_kernel::solving::solver::{Inventory, Solver};
 use bia_kernel::solving::{ActiveDofs, Criterion, NonlinearSystem, StepReport, System};
 use element::Rule;
 use kratos_faults::KratosFaults;
+use motion::Motion;
 use nalgebra::Matrix3;
 use problem::{Inertia, Problem};
 use std::path::{Path, PathBuf};
@@ -62,8 +63,7 @@ pub struct Implicit {
     system: Option<System>,
     sums: NodalSums,
     inertia: Option<Inertia>,
-    /// Velocity of the grid, which the energy-conserving scheme keeps from step to step.
-    velocity: Vec<f64>,
+    motion: Motion,
     increments: Vec<f64>,
     assembled: Vec<f64>,
     /// DISPLACEMENT at the end of the last step, which is what Kratos's prediction reads.
@@ -92,7 +92,7 @@ impl Implicit {
             system: None,
             sums: NodalSums::default(),
             inertia: None,
-            velocity: Vec::new(),
+            motion: Motion::default(),
             increments: Vec::new(),
             assembled: Vec::new(),
             previous: Vec::new(),
@@ -116,57 +116,6 @@ impl Implicit {
             self.dofs = self.scene.space.active_dofs(&self.active.cells, points.dimension());
             self.system = Some(system(&self.scene.space, &self.active.cells, &self.dofs));
         }
-        Ok(())
-    }
-
-    fn gather(&mut self, points: &MaterialPoints, time_step: f64) {
-        let dynamic = self.dynamic();
-        if dynamic || self.output.mass {
-            self.sums.gather(&points.blocks, &self.active, &self.scene.space, &self.dofs, dynamic);
-        }
-        self.inertia = (dynamic && !self.scene.settings.conserves_energy).then(|| {
-            let block = self.dofs.block();
-            let divided = |values: &[f64]| {
-                let at = |(dof, value): (usize, &f64)| {
-                    let mass = self.sums.mass[dof / block];
-                    if mass > f64::EPSILON { value / mass } else { 0.0 }
-                };
-                values.iter().enumerate().map(at).collect()
-            };
-            Inertia {
-                coefficients: self.scene.settings.newmark.coefficients(time_step),
-                alpha: self.scene.settings.newmark.alpha,
-                consistent: self.scene.settings.consistent_mass,
-                velocity: divided(&self.sums.momentum),
-                acceleration: divided(&self.sums.inertia),
-            }
-        });
-    }
-
-    /// The inertia of the mid-point rule, M (v₁ − v₀) = Δt f with u = Δt (v₀ + v₁)/2. The grid's
-    /// velocity is that of the last step, at first the nearest to that of the points; whatever of
-    /// theirs it cannot represent stays with them.
-    fn prepare_midpoint(&mut self, points: &MaterialPoints, time_step: f64) -> Result<(), Error> {
-        let Some(system) = self.system.as_mut().filter(|_| self.scene.settings.conserves_energy) else {
-            return Ok(());
-        };
-        let is_first = self.velocity.len() != self.dofs.order();
-        self.velocity.resize(self.dofs.order(), 0.0);
-        let held = self.dofs.fixed().iter().zip(&self.increments);
-        for (v, (_, u)) in self.velocity.iter_mut().zip(held).filter(|(_, (held, _))| **held) {
-            *v = u / time_step;
-        }
-        if is_first {
-            let space = &self.scene.space;
-            projection::project(&points.blocks, &self.active, space, &self.dofs, system, &mut self.velocity)?;
-        }
-        self.inertia = Some(Inertia {
-            coefficients: Coefficients::midpoint(time_step),
-            alpha: 0.0,
-            consistent: true,
-            velocity: self.velocity.clone(),
-            acceleration: vec![0.0; self.dofs.order()],
-        });
         Ok(())
     }
 
@@ -326,10 +275,10 @@ impl Solver for Implicit {
         with_points(context.model, |points, grid| {
             this.timed(SEARCH, |this| this.update_active(points, grid))?;
             this.timed(TO_GRID, |this| {
-                this.gather(points, time_step);
+                this.gather(points);
                 this.write_nodal_mass(grid);
                 this.predict_increments(grid);
-                this.prepare_midpoint(points, time_step)
+                this.prepare_inertia(points, grid, time_step)
             })
         })
     }
@@ -386,6 +335,10 @@ impl Solver for Implicit {
             let of_volume = if lags { &this.assembled } else { &increments };
             let space = &this.scene.space;
             let velocities = this.inertia.as_ref().map_or(Vec::new(), |i| i.final_velocity(&increments));
+            // The grid of the total frame remembers its motion and need not ask the points for it.
+            let is_total = this.scene.settings.discretisation.frame == Frame::Total;
+            let before = this.inertia.as_ref().filter(|_| is_total).map_or(&[][..], |i| &i.velocity);
+            let velocity_changes: Vec<f64> = velocities.iter().zip(before).map(|(v, v0)| v - v0).collect();
             let nodal = NodalResults {
                 space,
                 frame: this.scene.settings.discretisation.frame,
@@ -394,10 +347,10 @@ impl Solver for Implicit {
                 increments_of_volume: of_volume,
                 accelerations: &accelerations,
                 velocities: &velocities,
+                velocity_changes: &velocity_changes,
                 flip_fraction: this.scene.settings.flip_fraction,
                 time_step,
-                // The mid-point rule has one acceleration for the whole step.
-                gamma: if this.scene.settings.conserves_energy { 1.0 } else { this.scene.settings.point_gamma },
+                gamma: this.scene.settings.point_gamma,
                 least_function: this.faults().least_function(),
             };
             update_points(points, &nodal)?;
@@ -415,8 +368,8 @@ impl Solver for Implicit {
                 this.previous.copy_from_slice(grid.node_fields.vector_mut(&DISPLACEMENT, count));
             }
             this.increments = increments;
-            if this.scene.settings.conserves_energy {
-                this.velocity = velocities;
+            if is_total {
+                this.motion = Motion { velocity: velocities, acceleration: accelerations };
             }
             this.stages[TO_POINTS].1 += start.elapsed();
             Ok(())
