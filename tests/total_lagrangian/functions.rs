@@ -113,6 +113,45 @@ fn tractions_on_a_face_make_uniform_stress() {
     }
 }
 
+/// What the program says of a scene that it refuses.
+fn refusal(scene: &Scene) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    scene.write(folder.path());
+    let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_bia"));
+    let output = command.current_dir(folder.path()).args(["check", "ProjectParameters.json"]).output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    said
+}
+
+#[test]
+fn combinations_without_sense_are_refused() {
+    let cell = Cell::Quadrilateral;
+    let scene = |grid: Mesh, body: Cell, solver: Value| {
+        let body = Mesh::block(body, [2; 3], [0.0; 3], [1.0; 3]);
+        Scene::new(grid, body, material(law(cell), 1, 1.0, 1e3, 0.3), solver, 0.4)
+    };
+    let regular = Mesh::block(cell, [2; 3], [0.0; 3], [1.0; 3]);
+    let skew = regular.clone().map(|[x, y, z]| [x + 0.1 * x * y, y, z]);
+    let triangles = Mesh::block(Cell::Triangle, [2; 3], [0.0; 3], [1.0; 3]);
+    let said = refusal(&scene(skew, cell, solver("b_spline", 2, "total_lagrangian")));
+    assert!(said.contains("cell 1 is no line, rectangle or box"), "{said}");
+    let said = refusal(&scene(triangles, Cell::Triangle, solver("lagrange", 2, "total_lagrangian")));
+    assert!(said.contains("needs a regular grid"), "{said}");
+    let said = refusal(&scene(regular.clone(), cell, solver("b_spline", 4, "total_lagrangian")));
+    assert!(said.contains("must be at most 3"), "{said}");
+    let conserving = |frame: &str| {
+        json!({"solver_type": "dynamic", "scheme_type": "energy_conserving", "frame": frame,
+               "time_stepping": {"time_step": 0.1}})
+    };
+    let said = refusal(&scene(regular.clone(), cell, conserving("updated_lagrangian")));
+    assert!(said.contains("needs the total Lagrangian frame"), "{said}");
+    let mut affine = conserving("total_lagrangian");
+    affine["transfer"] = json!("apic");
+    let said = refusal(&scene(regular, cell, affine));
+    assert!(said.contains("flip_fraction 1"), "{said}");
+}
+
 /// Faces of cells all of whose nodes are in a list, turned outwards.
 fn face_cells(mesh: &Mesh, nodes: &[usize]) -> Vec<Vec<usize>> {
     let faces: &[&[usize]] = match mesh.cell {
