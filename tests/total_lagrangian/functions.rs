@@ -113,6 +113,35 @@ fn tractions_on_a_face_make_uniform_stress() {
     }
 }
 
+/// A body that flies, turns and deforms across the cells of a grid of splines, its search and all,
+/// keeps its momentum in the updated frame.
+#[test]
+fn splines_keep_the_momentum_of_a_body_that_crosses_cells() {
+    for cell in [Cell::Quadrilateral, Cell::Hexahedron] {
+        for order in [2, 3] {
+            let counts = if cell.dimension() == 2 { [8; 3] } else { [5; 3] };
+            let grid = Mesh::block(cell, counts, [0.0; 3], [4.0; 3]);
+            let body = Mesh::block(cell, [3, 3, 2], [1.0, 1.2, 1.1], [2.6, 2.3, 2.2]);
+            let solver = json!({"solver_type": "dynamic", "scheme_type": "newmark", "basis": "b_spline",
+                                "basis_order": order, "time_stepping": {"time_step": 0.02}});
+            let velocity = json!({"model_part_name": "MPM_Material",
+                                  "value": ["3 + 2*sin(3*x)*y", "1 + 2*cos(2*y + x)", "-0.5 + 2*x*z"]});
+            let points = 1 << cell.dimension();
+            let record = Scene::new(grid, body, material(law(cell), points, 1000.0, 1e6, 0.3), solver, 0.19)
+                .with(process("assign_initial_velocity_field_to_material_point_process", velocity))
+                .run(&["--record-states", "10"]);
+            let start = record.first().total("momentum");
+            let size = start.iter().map(|p| p * p).sum::<f64>().sqrt();
+            for state in record.states() {
+                let now = state.total("momentum");
+                let drift = (0..3).map(|a| (now[a] - start[a]).abs()).sum::<f64>() / size;
+                assert!(drift < 1e-12, "{cell:?}, {order}: momentum drifts by {drift:e} at t = {}", state.time());
+            }
+            assert!(record.last().energy("strain") > 0.0);
+        }
+    }
+}
+
 /// What the program says of a scene that it refuses.
 fn refusal(scene: &Scene) -> String {
     let folder = tempfile::tempdir().unwrap();

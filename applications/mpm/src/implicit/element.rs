@@ -130,7 +130,10 @@ impl<const D: usize, const N: usize> PointKinematics<D, N> {
         }
         let inverse = match map.try_inverse() {
             Some(inverse) if map.determinant() > 0.0 => inverse,
-            _ => return Err(inverted(block, point, &map)),
+            _ => {
+                let before = if frame == Frame::Total { previous.determinant() } else { 1.0 };
+                return Err(inverted(block, point, map.determinant() / before));
+            }
         };
         let gradients =
             std::array::from_fn(|b| std::array::from_fn(|i| (0..D).map(|k| reference[i][k] * inverse[(k, b)]).sum()));
@@ -314,13 +317,13 @@ pub fn gather_states(block: &Block, run: &[(u32, u32)]) -> Vec<f64> {
     run.iter().flat_map(|&(_, point)| block.state.row(point as usize)).copied().collect()
 }
 
-fn inverted(block: &Block, point: usize, map: &Matrix3<f64>) -> Failure {
+fn inverted(block: &Block, point: usize, jacobian: f64) -> Failure {
     Failure::new(
         "the deformation of this step turns a material point inside out",
         "a smaller time step, smaller loads per step, or a finer grid",
     )
     .at(format!("material point {}", block.ids[point]), block.coordinates(point))
-    .detail(format!("J of the map = {:e}", map.determinant()))
+    .detail(format!("J of this step = {jacobian:e}"))
     .detail(format!("J before this step = {:e}", block.deformation_gradient(point).determinant()))
     .detail(format!("law: {}", block.law.name()))
 }
