@@ -8,13 +8,18 @@
 //!
 //! Sources: Sulsky, Zhou & Schreyer 1995; Bardenhagen 2002; Nairn 2003.
 
+mod cells;
 mod chunk;
-mod gather;
 mod kinematics;
 mod kratos_faults;
 mod nodes;
-mod points;
+mod patches;
+mod rows;
+mod search;
 mod stability;
+mod strain;
+mod to_grid;
+mod to_points;
 
 use crate::active::ActiveCells;
 use crate::grid::{GRID, write_nodal};
@@ -31,12 +36,15 @@ use bia_kernel::processes::{Clock, Context, Location, Process, Requirements, Res
 use bia_kernel::registry::Registry;
 use bia_kernel::solving::StepReport;
 use bia_kernel::solving::solver::{Inventory, Solver};
-use gather::{Gather, Wanted};
+use cells::Mapping;
 use kratos_faults::KratosFaults;
 use nodes::Nodes;
-use points::{Cause, Field, Trouble, advance, update_stress};
+use patches::Patches;
+use search::Search;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
+use to_grid::{Gather, Wanted};
+use to_points::{Cause, Field, Strokes, Trouble};
 
 const SEARCH: usize = 0;
 const TO_GRID: usize = 1;

@@ -1,0 +1,142 @@
+//! A cell as the kernels see it: its functions, and the map between its local coordinates and space.
+
+use bia_kernel::geometry::CellBasis;
+use bia_kernel::lanes::Real;
+use std::array::from_fn;
+
+/// The map x = x₀ + J ξ of a cell with parallel sides.
+#[derive(Debug, Clone, Copy)]
+pub struct AffineMap<const D: usize> {
+    /// x₀, the place of ξ = 0.
+    origin: [f64; D],
+    /// J⁻¹.
+    inverse: [[f64; D]; D],
+}
+
+/// How local coordinates are had.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Mapping {
+    /// All cells have parallel sides, so that J is the same all over a cell.
+    pub affine: bool,
+    /// Points keep their local coordinates; else they follow from positions wherever wanted.
+    pub stored: bool,
+}
+
+/// One cell.
+pub struct Cell<B, const D: usize, const N: usize> {
+    /// Functions.
+    pub basis: B,
+    /// Places of its nodes.
+    pub nodes: [[f64; D]; N],
+    map: Option<AffineMap<D>>,
+    stored: bool,
+}
+
+impl<const D: usize> AffineMap<D> {
+    #[inline(always)]
+    fn of<B: CellBasis<D, N>, const N: usize>(basis: &B, nodes: &[[f64; D]; N]) -> Self {
+        let (functions, gradients) = (basis.functions(&[0.0; D]), basis.gradients(&[0.0; D]));
+        let mut origin = [0.0; D];
+        for i in 0..N {
+            (0..D).for_each(|a| origin[a] += functions[i] * nodes[i][a]);
+        }
+        Self { origin, inverse: inverse(&jacobian(nodes, &gradients)) }
+    }
+
+    #[inline(always)]
+    fn local<R: Real>(&self, x: &[R; D]) -> [R; D] {
+        let offset: [R; D] = from_fn(|a| x[a] - R::splat(self.origin[a]));
+        from_fn(|c| {
+            let mut sum = offset[0] * self.inverse[c][0];
+            (1..D).for_each(|a| sum += offset[a] * self.inverse[c][a]);
+            sum
+        })
+    }
+}
+
+impl<B: CellBasis<D, N>, const D: usize, const N: usize> Cell<B, D, N> {
+    /// A cell with these functions and nodes.
+    #[inline(always)]
+    pub fn new(basis: B, nodes: [[f64; D]; N], mapping: Mapping) -> Self {
+        let map = mapping.affine.then(|| AffineMap::of(&basis, &nodes));
+        Self { basis, nodes, map, stored: mapping.stored }
+    }
+
+    /// Local coordinates of positions, or those stored.
+    #[inline(always)]
+    pub fn local<R: Real>(&self, x: &[R; D], stored: impl FnOnce() -> [R; D]) -> [R; D] {
+        match &self.map {
+            Some(map) if !self.stored => map.local(x),
+            _ => stored(),
+        }
+    }
+
+    /// Distance from the axis of axisymmetric scenes, where the functions have these values.
+    #[inline(always)]
+    pub fn radius<R: Real>(&self, functions: &[R; N]) -> R {
+        let mut radius = R::splat(0.0);
+        (0..N).for_each(|i| radius += functions[i] * self.nodes[i][0]);
+        radius
+    }
+
+    /// J⁻¹, `[local][space]`, where the functions have these local gradients.
+    #[inline(always)]
+    pub fn inverse_jacobian<R: Real>(&self, gradients: &[[R; D]; N]) -> [[R; D]; D] {
+        match &self.map {
+            Some(map) => map.inverse.map(|row| row.map(R::splat)),
+            None => inverse(&jacobian(&self.nodes, gradients)),
+        }
+    }
+}
+
+/// Whether a cell's map is affine but for round-off of its corners' coordinates.
+pub fn is_affine<B: CellBasis<D, N>, const D: usize, const N: usize>(
+    basis: &B,
+    nodes: &[[f64; D]; N],
+    references: &[[f64; D]; N],
+) -> bool {
+    let map = AffineMap::of(basis, nodes);
+    let size = nodes.iter().flatten().fold(0.0f64, |size, x| size.max(x.abs()));
+    let step = inverse(&map.inverse).iter().flatten().fold(0.0f64, |step, j| step.max(j.abs()));
+    // One unit of rounding in a coordinate is so many local units.
+    let tolerance = 1e-13 + 16.0 * f64::EPSILON * size / step;
+    let near = |(node, reference): (&[f64; D], &[f64; D])| {
+        map.local(node).iter().zip(reference).all(|(xi, expected)| (xi - expected).abs() <= tolerance)
+    };
+    nodes.iter().zip(references).all(near)
+}
+
+#[inline(always)]
+fn jacobian<R: Real, const D: usize, const N: usize>(nodes: &[[f64; D]; N], gradients: &[[R; D]; N]) -> [[R; D]; D] {
+    let mut sum = [[R::splat(0.0); D]; D];
+    for i in 0..N {
+        for a in 0..D {
+            for c in 0..D {
+                sum[a][c] += gradients[i][c] * nodes[i][a];
+            }
+        }
+    }
+    sum
+}
+
+/// Inverse of a matrix of at most 3 × 3; not finite if it has none.
+#[inline(always)]
+fn inverse<R: Real, const D: usize>(m: &[[R; D]; D]) -> [[R; D]; D] {
+    let one = R::splat(1.0);
+    let mut out = *m;
+    match D {
+        1 => out[0][0] = one / m[0][0],
+        2 => {
+            let scale = one / (m[0][0] * m[1][1] - m[0][1] * m[1][0]);
+            (out[0][0], out[0][1]) = (m[1][1] * scale, -m[0][1] * scale);
+            (out[1][0], out[1][1]) = (-m[1][0] * scale, m[0][0] * scale);
+        }
+        _ => {
+            let full: [[R; 3]; 3] = from_fn(|i| from_fn(|j| m[i % D][j % D]));
+            let (adjugate, determinant) = bia_constitutive::tensor::adjugate(&full);
+            let scale = one / determinant;
+            (0..D).for_each(|i| (0..D).for_each(|j| out[i][j] = adjugate[i % 3][j % 3] * scale));
+        }
+    }
+    out
+}
