@@ -194,7 +194,37 @@ impl Shape {
         if self.is_affine() {
             return self.reference_measure() * self.jacobian_determinant(corners, self.center());
         }
+        if let Some((edges, deviation)) = self.edges(corners)
+            && deviation <= 4.0 * f64::EPSILON * corners.as_flattened().iter().fold(0.0, |most, x| x.abs().max(most))
+        {
+            let normal = cross(edges[0], edges[1]);
+            let is_solid = self == Self::Hexahedron8;
+            return if is_solid { dot(normal, edges[2]) } else { dot(normal, normal).sqrt() };
+        }
         ShapeTable::gauss_points(self).iter().map(|table| table.jacobian_determinant(corners)).sum()
+    }
+
+    /// The edges that leave the first corner of a quadrilateral or hexahedron (the third is 0 in the
+    /// former), and the sum of all differences of coordinates from the parallelogram or
+    /// parallelepiped that they span, all in m. None for other shapes.
+    pub(super) fn edges(self, corners: &[[f64; 3]]) -> Option<([[f64; 3]; 3], f64)> {
+        let edge = |to: usize| std::array::from_fn(|i| corners[to][i] - corners[0][i]);
+        let (edges, sums): (_, &[(usize, [f64; 3])]) = match (self, corners.len()) {
+            (Self::Quadrilateral4, 4) => ([edge(1), edge(3), [0.0; 3]], &[(2, [1.0, 1.0, 0.0])]),
+            (Self::Hexahedron8, 8) => (
+                [edge(1), edge(3), edge(4)],
+                &[(2, [1.0, 1.0, 0.0]), (5, [1.0, 0.0, 1.0]), (7, [0.0, 1.0, 1.0]), (6, [1.0; 3])],
+            ),
+            _ => return None,
+        };
+        let mut deviation = 0.0;
+        for &(corner, shares) in sums {
+            for i in 0..3 {
+                let sum = shares[0] * edges[0][i] + shares[1] * edges[1][i] + shares[2] * edges[2][i];
+                deviation += (corners[0][i] + sum - corners[corner][i]).abs();
+            }
+        }
+        Some((edges, deviation))
     }
 
     /// Signed area (m²) of the projection to the first two coordinates, positive where the nodes
