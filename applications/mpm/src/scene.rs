@@ -122,7 +122,12 @@ impl Scene {
         needed: Columns,
     ) -> Result<bool, InputErrors> {
         let initial = format!("Initial_{}", self.settings.part);
-        let columns = needed.or(self.columns(requirements)?);
+        let mut columns = needed.or(self.columns(requirements)?);
+        if self.settings.explicit.is_none() {
+            // Implicit steps advance both together.
+            let moves = columns.velocity || columns.acceleration;
+            (columns.velocity, columns.acceleration) = (moves, moves);
+        }
         let requests = model.extension::<Requests>().cloned().unwrap_or_default();
         let (Some(grid), Some(bodies)) = (model.part(GRID), model.part(&initial)) else {
             return Ok(true);
@@ -143,6 +148,7 @@ impl Scene {
             locator: &locator,
             kinematics,
             dynamic: self.settings.regime == Regime::Dynamic,
+            placement: self.settings.discretisation.placement,
             columns,
             kratos_exact: self.options.kratos_exact,
             explicit: self.settings.explicit.is_some(),

@@ -12,13 +12,15 @@ mod quadrature;
 mod regular;
 mod search_mesh;
 mod shape;
+mod table;
 
 pub use cell::{CellBasis, CellShape, Hexahedron8, Line2, Quadrilateral4, Tetrahedron4, Triangle3, physical_gradients};
 pub use check::{CellFault, check_cells};
 pub use inverse::{inverse_map, local_coordinates};
 pub use locate::CellLocator;
-pub use quadrature::{QuadraturePoint, UnsupportedCount, allowed_counts, rule};
+pub use quadrature::{QuadraturePoint, UnevenCount, UnsupportedCount, allowed_counts, even_choices, even_rule, rule};
 pub use shape::Shape;
+pub use table::ShapeTable;
 
 #[cfg(test)]
 mod testing;

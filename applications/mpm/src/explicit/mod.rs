@@ -302,7 +302,8 @@ impl Solver for Explicit {
         if self.scene.settings.reactions && !self.shows(REACTION.name) {
             self.shown.push(REACTION.name);
         }
-        self.scene.make_points(model, requirements, Columns { motion: true, stress: true, ..Columns::default() })?;
+        let needed = Columns { velocity: true, acceleration: true, local: true, stress: true, ..Columns::default() };
+        self.scene.make_points(model, requirements, needed)?;
         let Some((grid, points)) = model.part(GRID).zip(points_of(model)) else { return Ok(()) };
         self.limits.sizes = stability::cell_sizes(grid);
         self.limits.wave = stability::wave_speed(points);

@@ -248,7 +248,8 @@ impl Solver for Implicit {
             acceleration: wants("ACCELERATION"),
             reaction: self.scene.settings.reactions || (wants("REACTION") && !self.faults().hides_reactions()),
         };
-        let needed = Columns { motion: self.dynamic(), ..Columns::default() };
+        let moves = self.dynamic();
+        let needed = Columns { velocity: moves, acceleration: moves, local: true, ..Columns::default() };
         let symmetric = self.scene.make_points(model, requirements, needed)?;
         let linear = solver(self.scene.settings.linear_method(symmetric)?);
         self.linear = Some(self.faults().forgive(linear, symmetric));
