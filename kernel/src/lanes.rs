@@ -2,10 +2,12 @@
 //! component of neighbouring material points. Compiled for the machine's widest vectors (see the
 //! `pulp` crate), a formula over lanes runs as vector instructions.
 //!
+//! Formulas over lanes are written with loops and `#[inline(always)]`: what is not inlined, closures
+//! in `array::map` among them, is compiled for the baseline machine.
+//!
 //! Products and sums are rounded one by one (no fused multiply-add), so that all machines and all
 //! widths give the same bits.
 
-use std::array::from_fn;
 use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
 /// A real number, or several in step.
@@ -101,7 +103,11 @@ impl<const W: usize> Neg for Lanes<W> {
 
     #[inline(always)]
     fn neg(self) -> Self {
-        Self(from_fn(|l| -self.0[l]))
+        let mut out = self;
+        for l in 0..W {
+            out.0[l] = -self.0[l];
+        }
+        out
     }
 }
 
@@ -123,7 +129,11 @@ impl<const W: usize> Real for Lanes<W> {
             sum = sum * square + 1.0 / (2 * k + 1) as f64;
         }
         let mut out = s * 2.0 + s * square * sum * 2.0;
-        if self.0.iter().any(|x| !(-0.5..=1.0).contains(x)) {
+        let mut near = true;
+        for l in 0..W {
+            near &= self.0[l] >= -0.5 && self.0[l] <= 1.0;
+        }
+        if !near {
             for l in 0..W {
                 out.0[l] = self.0[l].ln_1p();
             }
@@ -133,7 +143,11 @@ impl<const W: usize> Real for Lanes<W> {
 
     #[inline(always)]
     fn sqrt(self) -> Self {
-        Self(from_fn(|l| self.0[l].sqrt()))
+        let mut out = self;
+        for l in 0..W {
+            out.0[l] = self.0[l].sqrt();
+        }
+        out
     }
 }
 
@@ -147,7 +161,7 @@ mod tests {
         let (x, y) = (Lanes(a), Lanes(b));
         let formula = |a: f64, b: f64| -(a * b - b / a) * 2.0 + a;
         let of_lanes = -(x * y - y / x) * 2.0 + x;
-        assert_eq!(of_lanes.0, from_fn(|l| formula(a[l], b[l])));
+        assert_eq!(of_lanes.0, std::array::from_fn(|l| formula(a[l], b[l])));
     }
 
     #[test]

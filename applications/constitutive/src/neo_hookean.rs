@@ -35,16 +35,20 @@ impl NeoHookean {
     fn kirchhoff<R: Real>(&self, f: &Tensor<R>) -> ([R; 6], R, R) {
         let LameParameters { lambda, mu } = self.lame;
         let mut h = *f;
-        (0..3).for_each(|a| h[a][a] = h[a][a] - R::splat(1.0));
+        for a in 0..3 {
+            h[a][a] -= R::splat(1.0);
+        }
         let change = volume_change(&h);
         let log_jacobian = change.ln_1p();
-        // b − I = H + Hᵀ + H Hᵀ.
-        let stretch = |a: usize, b: usize| {
-            h[a][b] + h[b][a] + (h[a][0] * h[b][0] + h[a][1] * h[b][1] + h[a][2] * h[b][2])
-        };
-        let mut stress = VOIGT_PAIRS.map(|(a, b)| stretch(a, b) * mu);
-        for normal in &mut stress[..3] {
-            *normal += log_jacobian * lambda;
+        let mut stress = [change; 6];
+        for k in 0..6 {
+            // b − I = H + Hᵀ + H Hᵀ.
+            let (a, b) = VOIGT_PAIRS[k];
+            let stretch = h[a][b] + h[b][a] + (h[a][0] * h[b][0] + h[a][1] * h[b][1] + h[a][2] * h[b][2]);
+            stress[k] = stretch * mu;
+        }
+        for k in 0..3 {
+            stress[k] += log_jacobian * lambda;
         }
         (stress, change, log_jacobian)
     }
@@ -52,9 +56,12 @@ impl NeoHookean {
     /// Cauchy stresses of points in step.
     #[inline(always)]
     fn stress_in_step(&self, group: &Group) -> [Lanes<WIDTH>; 6] {
-        let (stress, change, _) = self.kirchhoff(&group.gradient);
+        let (mut stress, change, _) = self.kirchhoff(&group.gradient);
         let inverse = Lanes::splat(1.0) / (change + 1.0);
-        stress.map(|component| component * inverse)
+        for k in 0..6 {
+            stress[k] *= inverse;
+        }
+        stress
     }
 
     /// Cauchy stress, J and ln J.

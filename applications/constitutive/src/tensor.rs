@@ -61,9 +61,9 @@ pub fn adjugate<R: Real>(a: &Tensor<R>) -> (Tensor<R>, R) {
 /// det F − 1 = I₁ + I₂ + I₃ of H = F − I: keeps the digits that det F loses near 1.
 #[inline(always)]
 pub fn volume_change<R: Real>(h: &Tensor<R>) -> R {
-    let minor = |a: usize, b: usize| h[a][a] * h[b][b] - h[a][b] * h[b][a];
+    let (adjugate, determinant) = adjugate(h);
     let trace = h[0][0] + h[1][1] + h[2][2];
-    trace + (minor(0, 1) + minor(1, 2) + minor(0, 2)) + adjugate(h).1
+    trace + (adjugate[2][2] + adjugate[0][0] + adjugate[1][1]) + determinant
 }
 
 /// Six components of a symmetric tensor.

@@ -79,7 +79,8 @@ impl CellShape<2, 3> for Triangle3 {
 
     #[inline(always)]
     fn gradients<R: Real>(_: &[R; 2]) -> [[R; 2]; 3] {
-        [[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]].map(|row: [f64; 2]| row.map(R::splat))
+        let (one, zero) = (R::splat(1.0), R::splat(0.0));
+        [[-one, -one], [one, zero], [zero, one]]
     }
 }
 
@@ -94,8 +95,9 @@ impl CellShape<2, 4> for Quadrilateral4 {
 
     #[inline(always)]
     fn gradients<R: Real>(&[x, y]: &[R; 2]) -> [[R; 2]; 4] {
-        let (x, y) = (line(x).map(|n| n * 0.5), line(y).map(|n| n * 0.5));
-        [[-y[0], -x[0]], [y[0], -x[1]], [y[1], x[1]], [-y[1], x[0]]]
+        let ([x0, x1], [y0, y1]) = (line(x), line(y));
+        let (x0, x1, y0, y1) = (x0 * 0.5, x1 * 0.5, y0 * 0.5, y1 * 0.5);
+        [[-y0, -x0], [y0, -x1], [y1, x1], [-y1, x0]]
     }
 }
 
@@ -109,7 +111,8 @@ impl CellShape<3, 4> for Tetrahedron4 {
 
     #[inline(always)]
     fn gradients<R: Real>(_: &[R; 3]) -> [[R; 3]; 4] {
-        [[-1.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|row: [f64; 3]| row.map(R::splat))
+        let (one, zero) = (R::splat(1.0), R::splat(0.0));
+        [[-one; 3], [one, zero, zero], [zero, one, zero], [zero, zero, one]]
     }
 }
 
@@ -120,7 +123,11 @@ impl CellShape<3, 8> for Hexahedron8 {
     fn functions<R: Real>(&[x, y, z]: &[R; 3]) -> [R; 8] {
         let base = <Quadrilateral4 as CellShape<2, 4>>::functions(&[x, y]);
         let z = line(z);
-        from_fn(|a| base[a % 4] * z[a / 4])
+        let mut functions = [x; 8];
+        for a in 0..8 {
+            functions[a] = base[a % 4] * z[a / 4];
+        }
+        functions
     }
 
     #[inline(always)]
@@ -128,10 +135,12 @@ impl CellShape<3, 8> for Hexahedron8 {
         let base = <Quadrilateral4 as CellShape<2, 4>>::functions(&[x, y]);
         let slope = <Quadrilateral4 as CellShape<2, 4>>::gradients(&[x, y]);
         let (z, dz) = (line(z), [-0.5, 0.5]);
-        from_fn(|a| {
+        let mut gradients = [[x; 3]; 8];
+        for a in 0..8 {
             let (b, layer) = (a % 4, a / 4);
-            [slope[b][0] * z[layer], slope[b][1] * z[layer], base[b] * dz[layer]]
-        })
+            gradients[a] = [slope[b][0] * z[layer], slope[b][1] * z[layer], base[b] * dz[layer]];
+        }
+        gradients
     }
 }
 

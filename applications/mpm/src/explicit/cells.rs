@@ -1,8 +1,8 @@
 //! A cell as the kernels see it: its functions, and the map between its local coordinates and space.
 
+use bia_constitutive::tensor::adjugate;
 use bia_kernel::geometry::CellBasis;
 use bia_kernel::lanes::Real;
-use std::array::from_fn;
 
 /// The map x = x₀ + J ξ of a cell with parallel sides.
 #[derive(Debug, Clone, Copy)]
@@ -38,19 +38,23 @@ impl<const D: usize> AffineMap<D> {
         let (functions, gradients) = (basis.functions(&[0.0; D]), basis.gradients(&[0.0; D]));
         let mut origin = [0.0; D];
         for i in 0..N {
-            (0..D).for_each(|a| origin[a] += functions[i] * nodes[i][a]);
+            for a in 0..D {
+                origin[a] += functions[i] * nodes[i][a];
+            }
         }
         Self { origin, inverse: inverse(&jacobian(nodes, &gradients)) }
     }
 
     #[inline(always)]
     fn local<R: Real>(&self, x: &[R; D]) -> [R; D] {
-        let offset: [R; D] = from_fn(|a| x[a] - R::splat(self.origin[a]));
-        from_fn(|c| {
-            let mut sum = offset[0] * self.inverse[c][0];
-            (1..D).for_each(|a| sum += offset[a] * self.inverse[c][a]);
-            sum
-        })
+        let mut xi = [R::splat(0.0); D];
+        for a in 0..D {
+            let offset = x[a] - R::splat(self.origin[a]);
+            for c in 0..D {
+                xi[c] += offset * self.inverse[c][a];
+            }
+        }
+        xi
     }
 }
 
@@ -58,7 +62,7 @@ impl<B: CellBasis<D, N>, const D: usize, const N: usize> Cell<B, D, N> {
     /// A cell with these functions and nodes.
     #[inline(always)]
     pub fn new(basis: B, nodes: [[f64; D]; N], mapping: Mapping) -> Self {
-        let map = mapping.affine.then(|| AffineMap::of(&basis, &nodes));
+        let map = if mapping.affine { Some(AffineMap::of(&basis, &nodes)) } else { None };
         Self { basis, nodes, map, stored: mapping.stored }
     }
 
@@ -75,7 +79,9 @@ impl<B: CellBasis<D, N>, const D: usize, const N: usize> Cell<B, D, N> {
     #[inline(always)]
     pub fn radius<R: Real>(&self, functions: &[R; N]) -> R {
         let mut radius = R::splat(0.0);
-        (0..N).for_each(|i| radius += functions[i] * self.nodes[i][0]);
+        for i in 0..N {
+            radius += functions[i] * self.nodes[i][0];
+        }
         radius
     }
 
@@ -83,7 +89,15 @@ impl<B: CellBasis<D, N>, const D: usize, const N: usize> Cell<B, D, N> {
     #[inline(always)]
     pub fn inverse_jacobian<R: Real>(&self, gradients: &[[R; D]; N]) -> [[R; D]; D] {
         match &self.map {
-            Some(map) => map.inverse.map(|row| row.map(R::splat)),
+            Some(map) => {
+                let mut inverse = [[R::splat(0.0); D]; D];
+                for c in 0..D {
+                    for a in 0..D {
+                        inverse[c][a] = R::splat(map.inverse[c][a]);
+                    }
+                }
+                inverse
+            }
             None => inverse(&jacobian(&self.nodes, gradients)),
         }
     }
@@ -132,10 +146,17 @@ fn inverse<R: Real, const D: usize>(m: &[[R; D]; D]) -> [[R; D]; D] {
             (out[1][0], out[1][1]) = (-m[1][0] * scale, m[0][0] * scale);
         }
         _ => {
-            let full: [[R; 3]; 3] = from_fn(|i| from_fn(|j| m[i % D][j % D]));
-            let (adjugate, determinant) = bia_constitutive::tensor::adjugate(&full);
+            let mut full = [[one; 3]; 3];
+            for i in 0..D {
+                full[i][..D].copy_from_slice(&m[i]);
+            }
+            let (adjugate, determinant) = adjugate(&full);
             let scale = one / determinant;
-            (0..D).for_each(|i| (0..D).for_each(|j| out[i][j] = adjugate[i % 3][j % 3] * scale));
+            for i in 0..D {
+                for j in 0..D {
+                    out[i][j] = adjugate[i][j] * scale;
+                }
+            }
         }
     }
     out

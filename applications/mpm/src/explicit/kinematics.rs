@@ -40,9 +40,8 @@ pub fn strain<R: Real>(strain: &[R; 6], step: &Tensor<R>, faults: KratosFaults) 
     let spin = scaled(&sum(&change, &scaled(&transpose(&change), -1.0)), 0.25);
     let turn = inverse(&sum(&identity(), &scaled(&spin, -1.0)));
     let turn = product(&turn, &sum(&identity(), &spin));
-    let half = |component: usize| strain[component] * 0.5;
-    let before =
-        [[strain[0], half(3), half(5)], [half(3), strain[1], half(4)], [half(5), half(4), strain[2]]];
+    let (xy, yz, xz) = (strain[3] * 0.5, strain[4] * 0.5, strain[5] * 0.5);
+    let before = [[strain[0], xy, xz], [xy, strain[1], yz], [xz, yz, strain[2]]];
     let turned = product(&product(&turn, &before), &transpose(&turn));
     let added = scaled(&sum(&change, &transpose(&change)), 0.5);
     accumulate(&[R::splat(0.0); 6], &sum(&turned, &added))
@@ -54,28 +53,45 @@ fn accumulate<R: Real>(strain: &[R; 6], increment: &Tensor<R>) -> [R; 6] {
     let e = increment;
     let added = [e[0][0], e[1][1], e[2][2], e[0][1] * 2.0, e[1][2] * 2.0, e[0][2] * 2.0];
     let mut out = *strain;
-    (0..6).for_each(|k| out[k] += added[k]);
+    for k in 0..6 {
+        out[k] += added[k];
+    }
     out
 }
 
 /// a⁻¹; not finite without one.
 #[inline(always)]
 pub fn inverse<R: Real>(a: &Tensor<R>) -> Tensor<R> {
-    let (adjugate, determinant) = adjugate(a);
+    let (mut out, determinant) = adjugate(a);
     let scale = R::splat(1.0) / determinant;
-    adjugate.map(|row| row.map(|entry| entry * scale))
+    for row in &mut out {
+        for entry in row {
+            *entry *= scale;
+        }
+    }
+    out
 }
 
 #[inline(always)]
 fn sum<R: Real>(a: &Tensor<R>, b: &Tensor<R>) -> Tensor<R> {
     let mut out = *a;
-    (0..3).for_each(|i| (0..3).for_each(|j| out[i][j] += b[i][j]));
+    for i in 0..3 {
+        for j in 0..3 {
+            out[i][j] += b[i][j];
+        }
+    }
     out
 }
 
 #[inline(always)]
 fn scaled<R: Real>(a: &Tensor<R>, factor: f64) -> Tensor<R> {
-    a.map(|row| row.map(|entry| entry * factor))
+    let mut out = *a;
+    for row in &mut out {
+        for entry in row {
+            *entry = *entry * factor;
+        }
+    }
+    out
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@
 use super::cells::{Mapping, is_affine};
 use crate::active::ActiveCells;
 use crate::grid::{GridCell, corners, with_shape};
-use crate::points::MaterialPoints;
+use crate::points::{MaterialPoints, Scratch};
 use crate::scene::Scene;
 use crate::settings::Frame;
 use bia_kernel::error::Error;
@@ -22,6 +22,7 @@ pub struct Search {
     searched: bool,
     order: Vec<u32>,
     counts: Vec<u32>,
+    scratch: Scratch,
 }
 
 impl Search {
@@ -38,8 +39,8 @@ impl Search {
             return Ok(false);
         }
         let Some(locator) = &scene.locator else { return Ok(false) };
-        let mut moved = !self.leavers.is_empty();
         let mut lost = self.leavers.len() > points.len() / 2;
+        let mut moved = lost;
         for &(block, point) in self.leavers.iter().filter(|_| !lost) {
             let block = &mut points.blocks[block as usize];
             let point = point as usize;
@@ -53,7 +54,7 @@ impl Search {
                     }
                 }
                 None => {
-                    lost = true;
+                    (lost, moved) = (true, true);
                     break;
                 }
             }
@@ -90,7 +91,7 @@ impl Search {
                 self.order[*next as usize] = point as u32;
                 *next += 1;
             }
-            block.reorder(&self.order);
+            block.reorder(&self.order, &mut self.scratch);
         }
         true
     }

@@ -215,13 +215,17 @@ impl Material<'_> {
         for a in 0..D {
             for b in 0..D {
                 let mut sum = local[a][0] * inverse[0][b];
-                (1..D).for_each(|c| sum += local[a][c] * inverse[c][b]);
+                for c in 1..D {
+                    sum += local[a][c] * inverse[c][b];
+                }
                 step[a][b] = sum * self.field.time_step;
             }
         }
         if axisymmetric {
             let mut radial = zero;
-            (0..N).for_each(|i| radial += functions[i] * velocity[i][0]);
+            for i in 0..N {
+                radial += functions[i] * velocity[i][0];
+            }
             step[2][2] = radial / radius * self.field.time_step;
         }
         step
@@ -258,7 +262,9 @@ fn load_gradient<const D: usize>(rows: Rows, column: &[f64], kinematics: Kinemat
         (2, _) => [f[0][0], f[0][1], f[1][0], f[1][1]] = rows.load(column),
         _ => {
             let all = rows.load::<9>(column);
-            (0..9).for_each(|k| f[k / 3][k % 3] = all[k]);
+            for k in 0..9 {
+                f[k / 3][k % 3] = all[k];
+            }
         }
     }
     f

@@ -205,8 +205,10 @@ impl<B: GridCell<D, N>, const D: usize, const N: usize> CellsTask<'_, '_, B, D, 
         if self.wanted.momentum() {
             let velocity = self.velocity(block, point);
             let functions = if self.wanted == Wanted::MovedMomentum { &at.functions } else { &at.all };
-            for i in 0..N {
-                sums.mass[i] += functions[i] * mass;
+            if self.wanted != Wanted::MovedMomentum {
+                for i in 0..N {
+                    sums.mass[i] += functions[i] * mass;
+                }
             }
             for a in 0..D {
                 let momentum = mass * velocity[a];
@@ -233,7 +235,9 @@ impl<B: GridCell<D, N>, const D: usize, const N: usize> CellsTask<'_, '_, B, D, 
         self.gather.faults.misalign(&mut functions, &mut local);
         let mut gradients = [[0.0; N]; D];
         for i in 0..N {
-            (0..D).for_each(|c| gradients[c][i] = local[i][c]);
+            for c in 0..D {
+                gradients[c][i] = local[i][c];
+            }
         }
         AtPoint { all, functions, gradients, inverse }
     }
@@ -243,7 +247,9 @@ impl<B: GridCell<D, N>, const D: usize, const N: usize> CellsTask<'_, '_, B, D, 
         let mut velocity = block.velocity.get::<D>(point);
         if self.gather.ahead != 0.0 && self.wanted != Wanted::MovedMomentum {
             let acceleration = block.acceleration.get::<D>(point);
-            (0..D).for_each(|a| velocity[a] += self.gather.ahead * acceleration[a]);
+            for a in 0..D {
+                velocity[a] += self.gather.ahead * acceleration[a];
+            }
         }
         velocity
     }
@@ -266,7 +272,10 @@ impl<B: GridCell<D, N>, const D: usize, const N: usize> CellsTask<'_, '_, B, D, 
             let back = inverse(&tensor_of(&expand(block.gradient.row(point))));
             for c in 0..D {
                 for b in 0..D {
-                    pull[c][b] = (0..D).map(|k| at.inverse[c][k] * back[k % 3][b % 3]).sum();
+                    pull[c][b] = 0.0;
+                    for k in 0..D {
+                        pull[c][b] += at.inverse[c][k] * back[k][b];
+                    }
                 }
             }
         }
@@ -282,7 +291,9 @@ impl<B: GridCell<D, N>, const D: usize, const N: usize> CellsTask<'_, '_, B, D, 
             let weight = mass * body[a];
             for i in 0..N {
                 let mut inner = at.gradients[0][i] * row[0];
-                (1..D).for_each(|c| inner += at.gradients[c][i] * row[c]);
+                for c in 1..D {
+                    inner += at.gradients[c][i] * row[c];
+                }
                 sums.force[a][i] += at.all[i] * weight - inner;
             }
         }
@@ -291,7 +302,9 @@ impl<B: GridCell<D, N>, const D: usize, const N: usize> CellsTask<'_, '_, B, D, 
             if self.gather.frame == Frame::Total {
                 hoop /= expand(block.gradient.row(point))[(2, 2)];
             }
-            (0..N).for_each(|i| sums.force[0][i] -= hoop * at.functions[i]);
+            for i in 0..N {
+                sums.force[0][i] -= hoop * at.functions[i];
+            }
         }
     }
 }

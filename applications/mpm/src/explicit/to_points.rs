@@ -205,7 +205,9 @@ fn interpolate<const D: usize, const N: usize>(
 #[inline(always)]
 fn squared<const D: usize>(v: &[Lanes<WIDTH>; D]) -> Lanes<WIDTH> {
     let mut sum = v[0] * v[0];
-    (1..D).for_each(|a| sum += v[a] * v[a]);
+    for a in 1..D {
+        sum += v[a] * v[a];
+    }
     sum
 }
 
@@ -249,17 +251,23 @@ impl<B: GridCell<D, N>, const D: usize, const N: usize> pulp::WithSimd for Kick<
                 }
                 if field.gamma != 1.0 {
                     let old = rows.load::<D>(chunk.acceleration);
-                    (0..D).for_each(|a| velocity[a] += old[a] * ((1.0 - field.gamma) * field.time_step));
+                    for a in 0..D {
+                        velocity[a] += old[a] * ((1.0 - field.gamma) * field.time_step);
+                    }
                 }
                 if share < 1.0 {
                     let smooth = interpolate(&functions, &nodal_vectors::<D, N>(field.dofs, nodes, field.velocity));
-                    (0..D).for_each(|a| velocity[a] = velocity[a] * share + smooth[a] * (1.0 - share));
+                    for a in 0..D {
+                        velocity[a] = velocity[a] * share + smooth[a] * (1.0 - share);
+                    }
                 }
                 let speed = squared(&velocity);
                 if let Some(lane) = speed.0[..rows.count].iter().position(|speed| !speed.is_finite()) {
                     return Err((rows.first + lane, Cause::Moved(f64::NAN)));
                 }
-                (0..WIDTH).for_each(|l| fastest.0[l] = fastest.0[l].max(speed.0[l]));
+                for l in 0..WIDTH {
+                    fastest.0[l] = fastest.0[l].max(speed.0[l]);
+                }
                 rows.store(chunk.velocity, &velocity);
                 if !chunk.acceleration.is_empty() {
                     rows.store(chunk.acceleration, &change);
@@ -302,17 +310,24 @@ impl<B: GridCell<D, N>, const D: usize, const N: usize> pulp::WithSimd for Drift
             for rows in groups(run) {
                 let mut position = rows.load::<D>(chunk.position);
                 let xi = cell.local(&position, || rows.load(chunk.local));
-                let path = interpolate(&functions(&cell, &xi, field.faults), &carrying).map(|v| v * field.time_step);
+                let mut path = interpolate(&functions(&cell, &xi, field.faults), &carrying);
+                for a in 0..D {
+                    path[a] *= Lanes::splat(field.time_step);
+                }
                 let distance = squared(&path);
                 let too_far = |distance: &f64| !(*distance <= field.reach * field.reach);
                 if let Some(lane) = distance.0[..rows.count].iter().position(too_far) {
                     return Err((rows.first + lane, Cause::Moved(distance.0[lane].sqrt())));
                 }
-                (0..D).for_each(|a| position[a] += path[a]);
+                for a in 0..D {
+                    position[a] += path[a];
+                }
                 rows.store(chunk.position, &position);
                 if !chunk.displacement.is_empty() {
                     let mut displacement = rows.load::<D>(chunk.displacement);
-                    (0..D).for_each(|a| displacement[a] += path[a]);
+                    for a in 0..D {
+                        displacement[a] += path[a];
+                    }
                     rows.store(chunk.displacement, &displacement);
                 }
                 if field.frame == Frame::Total {
