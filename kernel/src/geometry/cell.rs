@@ -156,12 +156,20 @@ pub fn physical_gradients<S: CellShape<D, N>, const D: usize, const N: usize>(
     corners: &[[f64; D]; N],
     xi: &[f64; D],
 ) -> ([[f64; D]; N], f64) {
-    let local = S::gradients(xi);
-    let (adjugate, determinant) = adjugate(&jacobian(corners, &local));
-    let mut gradients = [[0.0; D]; N];
+    transformed(corners, &<S as CellShape<D, N>>::gradients(xi))
+}
+
+/// The same from the local gradients.
+#[inline(always)]
+pub(super) fn transformed<R: Real, const D: usize, const N: usize>(
+    corners: &[[f64; D]; N],
+    local: &[[R; D]; N],
+) -> ([[R; D]; N], R) {
+    let (adjugate, determinant) = adjugate(&jacobian(corners, local));
+    let mut gradients = [[R::splat(0.0); D]; N];
     for a in 0..N {
         for i in 0..D {
-            let mut sum = 0.0;
+            let mut sum = R::splat(0.0);
             for j in 0..D {
                 sum += local[a][j] * adjugate[j][i];
             }
@@ -172,16 +180,16 @@ pub fn physical_gradients<S: CellShape<D, N>, const D: usize, const N: usize>(
 }
 
 /// J\[i\]\[j\] = Σ_a X_a\[i\] ∂N_a/∂ξ_j.
-#[inline]
-pub(super) fn jacobian<const D: usize, const N: usize>(
+#[inline(always)]
+pub(super) fn jacobian<R: Real, const D: usize, const N: usize>(
     corners: &[[f64; D]; N],
-    gradients: &[[f64; D]; N],
-) -> [[f64; D]; D] {
-    let mut jacobian = [[0.0; D]; D];
+    gradients: &[[R; D]; N],
+) -> [[R; D]; D] {
+    let mut jacobian = [[R::splat(0.0); D]; D];
     for a in 0..N {
         for i in 0..D {
             for j in 0..D {
-                jacobian[i][j] += corners[a][i] * gradients[a][j];
+                jacobian[i][j] += gradients[a][j] * corners[a][i];
             }
         }
     }
@@ -189,10 +197,10 @@ pub(super) fn jacobian<const D: usize, const N: usize>(
 }
 
 /// Adjugate and determinant of a matrix of at most 3 × 3: m · adj m = det m · 1.
-#[inline]
-pub(super) fn adjugate<const D: usize>(m: &[[f64; D]; D]) -> ([[f64; D]; D], f64) {
+#[inline(always)]
+pub(super) fn adjugate<R: Real, const D: usize>(m: &[[R; D]; D]) -> ([[R; D]; D], R) {
     const { assert!(D >= 1 && D <= 3) };
-    let mut adjugate = [[1.0; D]; D];
+    let mut adjugate = [[R::splat(1.0); D]; D];
     if D == 2 {
         adjugate[0] = from_fn(|j| [m[1][1], -m[0][1]][j]);
         adjugate[1] = from_fn(|j| [-m[1][0], m[0][0]][j]);
@@ -205,7 +213,7 @@ pub(super) fn adjugate<const D: usize>(m: &[[f64; D]; D]) -> ([[f64; D]; D], f64
             }
         }
     }
-    let mut determinant = 0.0;
+    let mut determinant = R::splat(0.0);
     for j in 0..D {
         determinant += m[0][j] * adjugate[j][0];
     }

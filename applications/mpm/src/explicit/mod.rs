@@ -451,7 +451,8 @@ impl Solver for Explicit {
                 self.gather(points, grid, Wanted::Force, time_step);
             }
             let axisymmetric = points.kinematics == Kinematics::Axisymmetric;
-            let loads = crate::loads::Loads { grid, conditions: &points.conditions, axisymmetric };
+            let loads =
+                crate::loads::Loads { grid, space: &self.scene.space, conditions: &points.conditions, axisymmetric };
             loads.add(&self.nodes.dofs, &[], &mut self.nodes.sums.force);
             self.nodes.accelerate(self.gamma() * time_step);
             if self.settings.scheme != Scheme::CentralDifference {
@@ -475,7 +476,7 @@ impl Solver for Explicit {
                 increments.extend(carrying.iter().map(|v| v * time_step));
                 let least = self.faults.least_function();
                 let motion = [&increments[..], &carrying[..]];
-                move_conditions(&mut points.conditions, grid, &self.nodes.dofs, motion, least);
+                move_conditions(&mut points.conditions, &self.scene.space, &self.nodes.dofs, motion, least);
             }
             if self.faults.shows_old_nodes() {
                 increments.clear();
