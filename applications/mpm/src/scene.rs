@@ -261,7 +261,7 @@ pub fn with_points<T>(
 /// Gives points and conditions the local coordinates of functions that are not the mesh's.
 fn localise(points: &mut MaterialPoints, space: &Space) {
     let dimension = points.dimension();
-    for block in &mut points.blocks {
+    for block in points.blocks.iter_mut().filter(|block| block.local.is_used()) {
         for point in 0..block.len() {
             let xi = space.local(block.cell[point] as usize, block.coordinates(point), [0.0; 3]);
             block.local.row_mut(point).copy_from_slice(&xi[..dimension]);
