@@ -176,8 +176,8 @@ pub trait Law: Send + Sync {
         out: &mut [Voigt],
     ) -> Result<(), (usize, LawError)>;
 
-    /// Stresses of groups of points; false, with `out` as it was, if the law answers point by point
-    /// only. Where it has no answer the stress is not a number: [`stresses`](Self::stresses) says why.
+    /// Stresses of groups of points; false if the law answers point by point only, or has no answer
+    /// for some of them: [`stresses`](Self::stresses) then says more.
     ///
     /// # Panics
     /// The lengths of the slices do not agree.
@@ -222,10 +222,11 @@ struct StressInStep<'a, L> {
 }
 
 impl<L: ConstitutiveLaw> pulp::WithSimd for StressInStep<'_, L> {
-    type Output = ();
+    type Output = bool;
 
     #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, simd: S) {
+    fn with_simd<S: pulp::Simd>(self, simd: S) -> bool {
+        let mut check = Lanes::splat(simd, 0.0);
         for (group, out) in self.groups.iter().zip(self.out) {
             let mut gradient = [[Lanes::splat(simd, 0.0); 3]; 3];
             for a in 0..3 {
@@ -242,8 +243,11 @@ impl<L: ConstitutiveLaw> pulp::WithSimd for StressInStep<'_, L> {
             let stress = self.law.stress_in_step(&gradient, &strain);
             for k in 0..6 {
                 stress[k].store(&mut out[k]);
+                // Zero for every number, and not a number otherwise.
+                check += (stress[k] - stress[k]) * 0.0;
             }
         }
+        check.all_within(0.0, 0.0)
     }
 }
 
@@ -310,10 +314,7 @@ impl<L: ConstitutiveLaw> Law for L {
 
     fn stresses_in_step(&self, groups: &[Group], out: &mut [[Pack; 6]]) -> bool {
         assert_eq!(groups.len(), out.len(), "one answer per group");
-        if L::IN_STEP {
-            pulp::Arch::new().dispatch(StressInStep { law: self, groups, out });
-        }
-        L::IN_STEP
+        L::IN_STEP && pulp::Arch::new().dispatch(StressInStep { law: self, groups, out })
     }
 
     fn uses_strain(&self) -> bool {

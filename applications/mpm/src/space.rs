@@ -201,6 +201,14 @@ impl Space {
         }
     }
 
+    /// The anchor of a function in `D` coordinates.
+    #[inline(always)]
+    pub fn coordinates<const D: usize>(&self, function: u32) -> [f64; D] {
+        let mut x = [0.0; D];
+        x.copy_from_slice(&self.positions[function as usize][..D]);
+        x
+    }
+
     /// Anchors of the functions of a cell.
     #[inline(always)]
     pub fn corners<const D: usize, const N: usize>(&self, cell: usize) -> [[f64; D]; N] {

@@ -26,14 +26,11 @@ pub struct AffineMap<const D: usize> {
 
 /// Functions of the cells of a space, by type.
 pub trait CellOf<'a, const D: usize, const N: usize>: PlacedBasis<D, N> {
-    /// A triangle or tetrahedron.
-    const SIMPLEX: bool;
-
     /// Those of one cell; none if it has another type.
     fn of(space: &'a Space, cell: usize) -> Option<Self>;
 
-    /// The map of a cell with parallel sides.
-    fn map(&self) -> AffineMap<D>;
+    /// The map of a cell with parallel sides; none if it has another type.
+    fn map(space: &'a Space, cell: usize) -> Option<AffineMap<D>>;
 
     /// J⁻¹ at ξ, `[local][space]`.
     fn inverse_jacobian<R: Real>(&self, xi: &[R; D]) -> [[R; D]; D];
@@ -48,7 +45,6 @@ pub struct Cell<B, const D: usize, const N: usize> {
 }
 
 impl<'a, S: CellShape<D, N>, const D: usize, const N: usize> CellOf<'a, D, N> for MeshCell<S, D, N> {
-    const SIMPLEX: bool = matches!(S::SHAPE, Shape::Triangle3 | Shape::Tetrahedron4);
 
     #[inline(always)]
     fn of(space: &'a Space, cell: usize) -> Option<Self> {
@@ -56,10 +52,9 @@ impl<'a, S: CellShape<D, N>, const D: usize, const N: usize> CellOf<'a, D, N> fo
     }
 
     #[inline(always)]
-    fn map(&self) -> AffineMap<D> {
-        let origin = self.position(&[0.0; D], &<S as CellShape<D, N>>::functions(&[0.0; D]));
-        let inverse = CellOf::inverse_jacobian(self, &[0.0; D]);
-        AffineMap { origin, inverse, simplex: <Self as CellOf<'_, D, N>>::SIMPLEX }
+    fn map(space: &'a Space, cell: usize) -> Option<AffineMap<D>> {
+        let nodes = space.nodes_of(cell);
+        Some(affine_map::<S, D, N>(|corner| space.coordinates(nodes[corner])))
     }
 
     #[inline(always)]
@@ -77,8 +72,6 @@ impl<'a, S: CellShape<D, N>, const D: usize, const N: usize> CellOf<'a, D, N> fo
 }
 
 impl<'a, const D: usize, const N: usize, const P1: usize> CellOf<'a, D, N> for TensorCell<'a, D, N, P1> {
-    const SIMPLEX: bool = false;
-
     #[inline(always)]
     fn of(space: &'a Space, cell: usize) -> Option<Self> {
         match space.functions() {
@@ -88,18 +81,62 @@ impl<'a, const D: usize, const N: usize, const P1: usize> CellOf<'a, D, N> for T
     }
 
     #[inline(always)]
-    fn map(&self) -> AffineMap<D> {
+    fn map(space: &'a Space, cell: usize) -> Option<AffineMap<D>> {
+        Self::of(space, cell).map(|basis| basis.affine_map())
+    }
+
+    #[inline(always)]
+    fn inverse_jacobian<R: Real>(&self, xi: &[R; D]) -> [[R; D]; D] {
+        self.affine_map().inverse(xi[0])
+    }
+}
+
+/// Boxes of regular grids.
+trait BoxMap<const D: usize> {
+    fn affine_map(&self) -> AffineMap<D>;
+}
+
+impl<const D: usize, const N: usize, const P1: usize> BoxMap<D> for TensorCell<'_, D, N, P1> {
+    #[inline(always)]
+    fn affine_map(&self) -> AffineMap<D> {
         let mut inverse = [[0.0; D]; D];
         for a in 0..D {
             inverse[a][a] = 1.0 / self.half()[a];
         }
         AffineMap { origin: *self.center(), inverse, simplex: false }
     }
+}
 
-    #[inline(always)]
-    fn inverse_jacobian<R: Real>(&self, xi: &[R; D]) -> [[R; D]; D] {
-        self.map().inverse(xi[0])
+/// The map of a cell with parallel sides, from one corner and its neighbours along the local axes.
+#[inline(always)]
+fn affine_map<S: CellShape<D, N>, const D: usize, const N: usize>(
+    corner: impl Fn(usize) -> [f64; D],
+) -> AffineMap<D> {
+    let simplex = is_simplex(S::SHAPE);
+    // Neighbours of the first corner along the local axes.
+    let neighbours = if simplex { [1, 2, 3] } else { [1, 3, 4] };
+    let (least, length) = if simplex { (0.0, 1.0) } else { (-1.0, 2.0) };
+    let mut origin = corner(0);
+    let first = origin;
+    let mut jacobian = [[0.0; D]; D];
+    for c in 0..D {
+        let next = corner(neighbours[c]);
+        for a in 0..D {
+            jacobian[a][c] = (next[a] - first[a]) * (1.0 / length);
+            origin[a] -= jacobian[a][c] * least;
+        }
     }
+    let (mut inverse, determinant) = adjugate(&jacobian);
+    for row in &mut inverse {
+        for entry in row {
+            *entry /= determinant;
+        }
+    }
+    AffineMap { origin, inverse, simplex }
+}
+
+const fn is_simplex(shape: Shape) -> bool {
+    matches!(shape, Shape::Triangle3 | Shape::Tetrahedron4)
 }
 
 impl<const D: usize> AffineMap<D> {
@@ -149,9 +186,8 @@ impl<'a, B: CellOf<'a, D, N>, const D: usize, const N: usize> Cell<B, D, N> {
     /// A cell of a space; none if it has another type.
     #[inline(always)]
     pub fn of(space: &'a Space, cell: usize, mapping: Mapping) -> Option<Self> {
-        let basis = B::of(space, cell)?;
-        let map = if mapping.affine { Some(basis.map()) } else { None };
-        Some(Self { basis, map, stored: mapping.stored })
+        let map = if mapping.affine { Some(B::map(space, cell)?) } else { None };
+        Some(Self { basis: B::of(space, cell)?, map, stored: mapping.stored })
     }
 
     /// Local coordinates of positions, or those stored.
@@ -182,7 +218,7 @@ impl<'a, B: CellOf<'a, D, N>, const D: usize, const N: usize> Cell<B, D, N> {
     #[inline(always)]
     pub fn place(&self) -> Option<AffineMap<3>> {
         let (Some(map), false) = (&self.map, self.stored) else { return None };
-        let mut place = AffineMap { origin: [0.0; 3], inverse: [[0.0; 3]; 3], simplex: B::SIMPLEX };
+        let mut place = AffineMap { origin: [0.0; 3], inverse: [[0.0; 3]; 3], simplex: map.simplex };
         for a in 0..D {
             place.origin[a] = map.origin[a];
             for c in 0..D {
@@ -195,7 +231,7 @@ impl<'a, B: CellOf<'a, D, N>, const D: usize, const N: usize> Cell<B, D, N> {
 
 /// Whether a cell's map is affine but for round-off of its corners' coordinates.
 pub fn is_affine<S: CellShape<D, N>, const D: usize, const N: usize>(corners: &[[f64; D]; N]) -> bool {
-    let map = MeshCell::<S, D, N>::new(*corners).map();
+    let map = affine_map::<S, D, N>(|corner| corners[corner]);
     let size = corners.iter().flatten().fold(0.0f64, |size, x| size.max(x.abs()));
     let per_length = map.inverse.iter().flatten().fold(0.0f64, |most, j| most.max(j.abs()));
     // Rounding of a coordinate is so much of a local unit.

@@ -6,7 +6,7 @@ use super::chunk::Chunk;
 use super::kratos_faults::KratosFaults;
 use super::rows::{Rows, groups};
 use crate::active::NO_CELL;
-use crate::grid::nodal_vectors;
+use crate::grid::{vectors_of, numbers};
 use crate::space::{Space, with_basis};
 use bia_constitutive::Kinematics;
 use bia_constitutive::tensor::Tensor;
@@ -143,10 +143,11 @@ impl<'a, B: CellOf<'a, D, N>, const D: usize, const N: usize> pulp::WithSimd for
             let (index, points) = (run[0] as usize, first..first + run.len());
             first = points.end;
             let Some(cell) = Cell::<B, D, N>::of(grid.space, index, grid.mapping) else { continue };
-            let nodes = grid.space.nodes_of(index);
-            let of_nodes = |values: &[f64]| nodal_vectors::<D, N>(grid.dofs, nodes, values);
-            let deforming = of_nodes(fields.deforming);
-            let values = [of_nodes(fields.carrying), of_nodes(fields.acceleration), of_nodes(fields.smooth)];
+            let numbers = numbers::<N>(grid.dofs, grid.space.nodes_of(index));
+            let deforming = vectors_of::<D, N>(&numbers, fields.deforming);
+            let carrying = vectors_of::<D, N>(&numbers, fields.carrying);
+            let acceleration = vectors_of::<D, N>(&numbers, fields.acceleration);
+            let smooth = vectors_of::<D, N>(&numbers, fields.smooth);
             for rows in groups(simd, points) {
                 let sample = samples.next();
                 (sample.rows, sample.cell) = (rows, cell.place());
@@ -155,12 +156,14 @@ impl<'a, B: CellOf<'a, D, N>, const D: usize, const N: usize> pulp::WithSimd for
                 if !fields.deforming.is_empty() {
                     grid.gradient(&cell, &xi, &functions, &gradients, &deforming, &mut sample.gradient);
                 }
-                let Sample { carrying, acceleration, smooth, .. } = sample;
-                let wanted = [!fields.carrying.is_empty(), !fields.acceleration.is_empty(), !fields.smooth.is_empty()];
-                for ((wanted, values), out) in wanted.iter().zip(&values).zip([carrying, acceleration, smooth]) {
-                    if *wanted {
-                        interpolate(&functions, values, out);
-                    }
+                if !fields.carrying.is_empty() {
+                    interpolate(&functions, &carrying, &mut sample.carrying);
+                }
+                if !fields.acceleration.is_empty() {
+                    interpolate(&functions, &acceleration, &mut sample.acceleration);
+                }
+                if !fields.smooth.is_empty() {
+                    interpolate(&functions, &smooth, &mut sample.smooth);
                 }
             }
         }
