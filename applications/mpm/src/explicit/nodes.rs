@@ -1,6 +1,6 @@
 //! The nodes of the active cells in one step: boundary values, velocities, accelerations.
 
-use super::gather::NodalSums;
+use super::to_grid::NodalSums;
 use super::kratos_faults::KratosFaults;
 use crate::active::{ActiveCells, active_dofs};
 use crate::variables::DISPLACEMENT;
