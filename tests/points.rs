@@ -266,6 +266,51 @@ fn extrapolation_keeps_linear_fields() {
     assert!(texts.iter().any(|t| t.contains("MP_VELOCITY 3 49") && t.contains("MP_CAUCHY_STRESS_VECTOR 3 49")));
 }
 
+/// A body that flies, turns and crosses cells, against hat functions at the recorded places.
+#[test]
+fn extrapolation_follows_the_points() {
+    let implicit = json!({"solver_type": "dynamic", "time_stepping": {"time_step": 0.02}});
+    let explicit = flowing().solver;
+    for (mut solver, step) in [(explicit, 0.005), (implicit, 0.02)] {
+        solver["time_stepping"]["time_step"] = json!(step);
+        let mut scene = flowing();
+        (scene.solver, scene.end_time) = (solver, 0.16);
+        scene.grid = Mesh::block(Cell::Quadrilateral, [10, 10, 0], [-0.75, -0.75, 0.0], [1.75, 1.75, 0.0]);
+        scene.bodies[0].material["Variables"]["YOUNG_MODULUS"] = json!(10.0);
+        scene.processes[0]["Parameters"]["value"] = json!(["1.0-2.0*y", "2.0*x-0.5", 0.0]);
+        let output = json!({"model_part_name": "Background_Grid", "output_file_name": "nodes.json",
+                            "time_frequency": 0.5 * step, "output_variables": ["MP_VELOCITY", "MP_CAUCHY_STRESS_VECTOR"]});
+        let scene = scene
+            .with(extrapolation(json!(["MP_VELOCITY", "MP_CAUCHY_STRESS_VECTOR"])))
+            .with(process("json_output_process", output));
+        let folder = TempDir::new().unwrap();
+        scene.write(folder.path());
+        let record = common::run_project(folder.path(), &[]);
+        let nodes = read(folder.path(), "nodes.json");
+        let last = |node: &Value, name: &str| node[name].as_array().unwrap().last().unwrap().clone();
+        let (places, masses) = (record.last().points("MP_COORD"), record.last().scalars("MP_MASS"));
+        let (velocities, stresses) =
+            (record.last().points("MP_VELOCITY"), record.last().points("MP_CAUCHY_STRESS_VECTOR"));
+        assert!(stresses.iter().flatten().any(|s| s.abs() > 0.1));
+        for (i, node) in scene.grid.nodes.iter().enumerate() {
+            let hat = |x: &[f64]| (0..2).map(|a| (1.0 - (x[a] - node[a]).abs() / 0.25).max(0.0)).product::<f64>();
+            let weights: Vec<f64> = places.iter().zip(&masses).map(|(x, m)| m * hat(x)).collect();
+            let mass: f64 = weights.iter().sum();
+            let mean = |rows: &[Vec<f64>], c: usize| {
+                let sum: f64 = rows.iter().zip(&weights).map(|(row, w)| row[c] * w).sum();
+                if mass > 0.0 { sum / mass } else { 0.0 }
+            };
+            let shown = &nodes[format!("NODE_{}", i + 1)];
+            let velocity = last(shown, "MP_VELOCITY_X").as_f64().unwrap();
+            assert!((velocity - mean(&velocities, 0)).abs() < 1e-9, "{node:?}: {velocity}");
+            for c in 0..3 {
+                let stress = last(shown, "MP_CAUCHY_STRESS_VECTOR")[c].as_f64().unwrap();
+                assert!((stress - mean(&stresses, c)).abs() < 1e-9, "{node:?}: {stress}");
+            }
+        }
+    }
+}
+
 /// What would be read before it is written, or written twice, is refused; so is what nobody writes.
 #[test]
 fn extrapolation_comes_before_its_readers() {

@@ -41,7 +41,6 @@ variables! {
     tensor MP_PK1_STRESS_TENSOR, "Pa", "first Piola-Kirchhoff stress of a material point";
     scalar MP_EQUIVALENT_STRESS, "Pa", "von Mises stress of a material point";
     tensor MP_DEFORMATION_GRADIENT, "1", "deformation gradient of a material point";
-    vector MP_LOCAL_COORDINATES, "1", "local coordinates of a material point in its cell of the grid";
     scalar MP_DETERMINANT_F, "1", "volume ratio of a material point";
     scalar MP_MASS, "kg", "mass of a material point";
     scalar MP_VOLUME, "m³", "volume of a material point";

@@ -25,7 +25,6 @@ const POINT_VARIABLES: &[(&str, Columns)] = &[
     ("MP_HENCKY_STRAIN_VECTOR", NONE),
     ("MP_DEFORMATION_GRADIENT", NONE),
     ("MP_DETERMINANT_F", NONE),
-    (LOCAL_COORDINATES, Columns { local: true, ..NONE }),
     ("MP_MASS", NONE),
     ("MP_VOLUME", Columns { volume: true, ..NONE }),
     ("MP_DENSITY", Columns { volume: true, ..NONE }),
@@ -37,8 +36,6 @@ const POINT_VARIABLES: &[(&str, Columns)] = &[
 ];
 /// Variable of the column that holds body accelerations given as functions.
 pub const BODY_ACCELERATION: &str = "MP_BODY_ACCELERATION";
-/// Variable of the column of local coordinates.
-pub const LOCAL_COORDINATES: &str = "MP_LOCAL_COORDINATES";
 const NONE: Columns = Columns {
     displacement: false,
     velocity: false,
@@ -118,7 +115,6 @@ pub fn append(block: &Block, point: usize, variable: &str, out: &mut Vec<f64>) -
         "MP_ACCELERATION" => vector(block.acceleration.row(point), out),
         "MP_VOLUME_ACCELERATION" => vector(&body_acceleration(block, point), out),
         BODY_ACCELERATION => vector(block.body_acceleration.row(point), out),
-        LOCAL_COORDINATES => vector(block.local.row(point), out),
         "MP_CAUCHY_STRESS_VECTOR" => out.extend(block.stress.row(point)),
         "MP_PK1_STRESS_TENSOR" => {
             let stress = measures::cauchy_stress(block, point);

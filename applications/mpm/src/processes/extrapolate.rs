@@ -1,15 +1,15 @@
 //! Values of material points on the nodes of the background grid: Q_i = Σ N_i m Q_p / Σ N_i m.
 //!
-//! Bia's own, with the functions at which the points last met the grid: those of the step just done,
-//! or of the first position in a total-Lagrangian run.
+//! Bia's own, with the functions of the mesh's cells at the present positions, or at the first ones in
+//! a total-Lagrangian run.
 
 use super::acceleration::check_part;
-use crate::active::NO_CELL;
 use crate::grid::GRID;
-use crate::points::fields::{LOCAL_COORDINATES, append};
-use crate::points::{MaterialPoints, Selection};
+use crate::points::fields::append;
+use crate::points::{Block, MaterialPoints, Selection};
 use bia_kernel::diagnostic::InputErrors;
 use bia_kernel::error::Error;
+use bia_kernel::geometry::CellLocator;
 use bia_kernel::model::{Model, ModelPart};
 use bia_kernel::parameters::{Key, Kind, Settings};
 use bia_kernel::processes::quantity::Quantity;
@@ -27,6 +27,9 @@ const KEYS: &[Key] = &[
         "at the end of each step, or only before files are written (JSON processes then see the values of the last file)",
     ),
 ];
+
+/// How far outside of a cell a point may lie, in local coordinates.
+const TOLERANCE: f64 = 1e-5;
 
 /// Registers the process of this file.
 pub fn register(registry: &mut Registry) {
@@ -50,8 +53,10 @@ pub fn register(registry: &mut Registry) {
                 errors.push(building.settings.error("variables", "names no variable"));
             }
             let at_output = building.settings.text("evaluate") == "output";
-            let settings = building.settings;
-            errors.or(Box::new(Extrapolation { settings, quantities, at_output, done: None, sums: Sums::default() }))
+            let frame = building.project.child("solver_settings").and_then(|solver| solver.child("frame"));
+            let total = frame.is_some_and(|frame| frame.value() == "total_lagrangian");
+            let (settings, locator, sums) = (building.settings, None, Sums::default());
+            errors.or(Box::new(Extrapolation { settings, quantities, at_output, total, locator, done: None, sums }))
         },
     });
 }
@@ -60,6 +65,10 @@ struct Extrapolation {
     settings: Settings,
     quantities: Vec<Quantity>,
     at_output: bool,
+    /// The points stay where they first were, as far as the grid goes.
+    total: bool,
+    /// Search among the grid's cells, of its own: solvers keep local coordinates in various forms.
+    locator: Option<CellLocator>,
     /// The step whose values stand on the nodes.
     done: Option<usize>,
     sums: Sums,
@@ -80,25 +89,23 @@ struct Sums {
 
 impl Sums {
     /// Adds up a variable of the selected points, body by body in the order of their ids.
-    fn gather(&mut self, points: &MaterialPoints, grid: &ModelPart, selection: Selection, variable: &str) {
+    fn gather(&mut self, of: &Source, selection: Selection, variable: &str) {
+        let grid = of.grid;
         let count = grid.nodes.len();
         self.mass.clear();
         self.mass.resize(count, 0.0);
         self.weighted.clear();
         self.width = 0;
-        for block in points.blocks.iter().filter(|block| selection.holds(block.body)) {
+        for block in of.points.blocks.iter().filter(|block| selection.holds(block.body)) {
             for point in block.in_order_of_id().into_iter().map(|point| point as usize) {
-                let cell = block.cell[point];
-                if cell == NO_CELL {
-                    continue;
-                }
+                // Points that have just left the grid have no part in it.
+                let found = of.locator.locate(of.position(block, point), Some(block.cell[point]));
+                let Some((cell, xi)) = found else { continue };
                 self.row.clear();
                 append(block, point, variable, &mut self.row);
                 self.width = self.row.len();
                 self.weighted.resize(count * self.width, 0.0);
-                let (mut xi, mut functions) = ([0.0; 3], [0.0; 8]);
-                let local = block.local.row(point);
-                xi[..local.len()].copy_from_slice(local);
+                let mut functions = [0.0; 8];
                 grid.elements.shapes[cell as usize].functions(xi, &mut functions);
                 let mass = block.mass.row(point)[0];
                 for (&node, function) in grid.elements.nodes_of(cell as usize).iter().zip(functions) {
@@ -130,6 +137,25 @@ impl Sums {
     }
 }
 
+/// What the sums are of.
+struct Source<'a> {
+    points: &'a MaterialPoints,
+    grid: &'a ModelPart,
+    locator: &'a CellLocator,
+    total: bool,
+}
+
+impl Source<'_> {
+    /// Where the grid sees a point, in m.
+    fn position(&self, block: &Block, point: usize) -> [f64; 3] {
+        let mut x = block.coordinates(point);
+        if self.total {
+            x.iter_mut().zip(block.displacement.row(point)).for_each(|(x, u)| *x -= u);
+        }
+        x
+    }
+}
+
 impl Extrapolation {
     fn evaluate(&mut self, context: &mut Context) {
         if self.done.replace(context.clock.step) == Some(context.clock.step) {
@@ -138,8 +164,10 @@ impl Extrapolation {
         let Some(points) = context.model.take::<MaterialPoints>() else { return };
         let selection = points.select(self.settings.text("model_part_name"));
         if let (Some(grid), Some(selection)) = (context.model.part_mut(GRID), selection) {
+            let locator = self.locator.get_or_insert_with(|| CellLocator::new(grid, TOLERANCE));
             for quantity in &self.quantities {
-                self.sums.gather(&points, grid, selection, quantity.variable.name);
+                let source = Source { points: &points, grid, locator, total: self.total };
+                self.sums.gather(&source, selection, quantity.variable.name);
                 self.sums.write(grid, &quantity.variable);
             }
         }
@@ -161,8 +189,10 @@ impl Process for Extrapolation {
             requirements.provide(quantity.variable.name, &quantity.place);
         }
         Quantity::require(&self.quantities, Location::Points, requirements);
-        let place = self.settings.parameters().clone();
-        requirements.variables.push(Wanted { location: Location::Points, variable: LOCAL_COORDINATES.into(), place });
+        if self.total {
+            let (variable, place) = ("MP_DISPLACEMENT".into(), self.settings.parameters().clone());
+            requirements.variables.push(Wanted { location: Location::Points, variable, place });
+        }
     }
 
     fn execute_initialize(&mut self, context: &mut Context) -> Result<(), Error> {
