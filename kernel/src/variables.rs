@@ -285,5 +285,12 @@ mod tests {
         fields.scalar_mut(&SPEED, 3)[1] = 2.0;
         assert_eq!(fields.scalar(&SPEED), Some(&[0.0, 2.0, 0.0][..]));
         assert_eq!(fields.columns(), [("SPEED", 24)]);
+        const SPIN: Variable = Variable::tensor("SPIN", "1/s", "spin");
+        const STRAIN: Variable = Variable::voigt("STRAIN", "1", "strain");
+        fields.rows_mut(&SPIN, 9, 3);
+        assert_eq!((fields.rows(&STRAIN), fields.symmetric_width()), (None, 0));
+        fields.rows_mut(&STRAIN, 4, 3).set(2, [1.0, 2.0, 3.0, 4.0]);
+        assert_eq!(fields.rows(&STRAIN).map(|column| column.row(2)), Some(&[1.0, 2.0, 3.0, 4.0][..]));
+        assert_eq!((fields.symmetric_width(), fields.columns().len()), (4, 3));
     }
 }
