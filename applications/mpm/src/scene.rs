@@ -191,8 +191,9 @@ impl Scene {
                 Location::PointConditions if !fields::CONDITION_VARIABLES.contains(&name) => {
                     errors.push(unknown(&mut fields::CONDITION_VARIABLES.iter().copied()));
                 }
-                Location::Nodes if !NODAL_VARIABLES.contains(&name) => {
-                    errors.push(unknown(&mut NODAL_VARIABLES.iter().copied()));
+                Location::Nodes if !NODAL_VARIABLES.contains(&name) && !requirements.provided.contains(&name) => {
+                    let names = NODAL_VARIABLES.iter().chain(&requirements.provided);
+                    errors.push(unknown(&mut names.copied()));
                 }
                 _ => {}
             }
