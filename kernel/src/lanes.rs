@@ -78,6 +78,62 @@ impl<S: Simd> Lanes<S> {
         Self { simd, value: vectors[0] }
     }
 
+    /// Every `stride`-th number from `first` on, one for each lane.
+    ///
+    /// # Panics
+    /// There are too few numbers.
+    #[inline(always)]
+    pub fn gather(simd: S, numbers: &[f64], first: usize, stride: usize) -> Self {
+        // Written out, because vectors are then built in registers instead of memory.
+        let at = &numbers[first..first + (Self::COUNT - 1) * stride + 1];
+        let value = match Self::COUNT {
+            8 => {
+                let low = [at[0], at[stride], at[2 * stride], at[3 * stride]];
+                let high = [at[4 * stride], at[5 * stride], at[6 * stride], at[7 * stride]];
+                bytemuck::cast([low[0], low[1], low[2], low[3], high[0], high[1], high[2], high[3]])
+            }
+            4 => bytemuck::cast([at[0], at[stride], at[2 * stride], at[3 * stride]]),
+            2 => bytemuck::cast([at[0], at[stride]]),
+            _ => bytemuck::cast([at[0]]),
+        };
+        Self { simd, value }
+    }
+
+    /// Writes what [`gather`](Self::gather) reads.
+    ///
+    /// # Panics
+    /// There is too little room.
+    #[inline(always)]
+    pub fn scatter(self, numbers: &mut [f64], first: usize, stride: usize) {
+        let to = &mut numbers[first..first + (Self::COUNT - 1) * stride + 1];
+        match Self::COUNT {
+            8 => {
+                let from: [f64; 8] = bytemuck::cast(self.value);
+                to[0] = from[0];
+                to[stride] = from[1];
+                to[2 * stride] = from[2];
+                to[3 * stride] = from[3];
+                to[4 * stride] = from[4];
+                to[5 * stride] = from[5];
+                to[6 * stride] = from[6];
+                to[7 * stride] = from[7];
+            }
+            4 => {
+                let from: [f64; 4] = bytemuck::cast(self.value);
+                to[0] = from[0];
+                to[stride] = from[1];
+                to[2 * stride] = from[2];
+                to[3 * stride] = from[3];
+            }
+            2 => {
+                let from: [f64; 2] = bytemuck::cast(self.value);
+                to[0] = from[0];
+                to[stride] = from[1];
+            }
+            _ => to[0] = bytemuck::cast(self.value),
+        }
+    }
+
     /// The numbers of a pack, on the same machine as these.
     #[inline(always)]
     pub fn with(self, pack: &Pack) -> Self {

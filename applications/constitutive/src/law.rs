@@ -176,6 +176,9 @@ pub trait Law: Send + Sync {
         out: &mut [Voigt],
     ) -> Result<(), (usize, LawError)>;
 
+    /// Whether the law has [`ConstitutiveLaw::stress_in_step`].
+    fn answers_in_step(&self) -> bool;
+
     /// Stresses of groups of points; false if the law answers point by point only, or has no answer
     /// for some of them: [`stresses`](Self::stresses) then says more.
     ///
@@ -310,6 +313,10 @@ impl<L: ConstitutiveLaw> Law for L {
             }
         }
         Ok(())
+    }
+
+    fn answers_in_step(&self) -> bool {
+        L::IN_STEP
     }
 
     fn stresses_in_step(&self, groups: &[Group], out: &mut [[Pack; 6]]) -> bool {

@@ -127,9 +127,10 @@ fn affine_map<S: CellShape<D, N>, const D: usize, const N: usize>(
         }
     }
     let (mut inverse, determinant) = adjugate(&jacobian);
+    let scale = 1.0 / determinant;
     for row in &mut inverse {
         for entry in row {
-            *entry /= determinant;
+            *entry *= scale;
         }
     }
     AffineMap { origin, inverse, simplex }

@@ -4,6 +4,9 @@ use bia_kernel::lanes::{Lanes, Pack, WIDTH};
 use pulp::Simd;
 use std::ops::Range;
 
+/// Widest rows.
+const MOST: usize = 9;
+
 /// Consecutive points of one cell, at most as many as there are lanes. Lanes beyond the last point
 /// repeat it.
 #[derive(Debug, Clone, Copy)]
@@ -15,52 +18,28 @@ pub struct Rows {
 }
 
 impl Rows {
-    /// The first `C` entries of each row.
+    /// The `C` entries of each row.
     #[inline(always)]
     pub fn load<S: Simd, const C: usize>(self, simd: S, column: &[f64]) -> [Lanes<S>; C] {
-        let width = Lanes::<S>::COUNT;
-        let mut packs = [Pack([0.0; WIDTH]); C];
-        if self.count == width {
-            let rows = &column[self.first * C..(self.first + width) * C];
-            for l in 0..width {
-                for c in 0..C {
-                    packs[c].0[l] = rows[l * C + c];
-                }
-            }
-        } else {
-            let rows = &column[self.first * C..(self.first + self.count) * C];
-            for l in 0..width {
-                let row = l.min(self.count - 1);
-                for c in 0..C {
-                    packs[c].0[l] = rows[row * C + c];
-                }
-            }
+        let rows = &column[self.first * C..(self.first + self.count) * C];
+        if self.count == Lanes::<S>::COUNT {
+            return gather_all(simd, rows);
         }
-        let mut out = [Lanes::splat(simd, 0.0); C];
-        for c in 0..C {
-            out[c] = Lanes::load(simd, &packs[c]);
-        }
-        out
+        let mut padded = [0.0; WIDTH * MOST];
+        pad::<C>(rows, &mut padded);
+        gather_all(simd, &padded)
     }
 
     /// Writes rows of `C` entries.
     #[inline(always)]
     pub fn store<S: Simd, const C: usize>(self, column: &mut [f64], values: &[Lanes<S>; C]) {
-        let width = Lanes::<S>::COUNT;
-        let mut packs = [Pack([0.0; WIDTH]); C];
-        for c in 0..C {
-            values[c].store(&mut packs[c]);
+        let rows = &mut column[self.first * C..(self.first + self.count) * C];
+        if self.count == Lanes::<S>::COUNT {
+            return scatter_all(rows, values);
         }
-        if self.count == width {
-            let rows = &mut column[self.first * C..(self.first + width) * C];
-            for l in 0..width {
-                for c in 0..C {
-                    rows[l * C + c] = packs[c].0[l];
-                }
-            }
-        } else {
-            self.store_packs(column, &packs);
-        }
+        let mut padded = [0.0; WIDTH * MOST];
+        scatter_all(&mut padded, values);
+        rows.copy_from_slice(&padded[..rows.len()]);
     }
 
     /// Writes rows of `C` entries, a pack for each.
@@ -101,6 +80,31 @@ impl Rows {
     /// The points.
     pub fn points(self) -> Range<usize> {
         self.first..self.first + self.count
+    }
+}
+
+#[inline(always)]
+fn gather_all<S: Simd, const C: usize>(simd: S, rows: &[f64]) -> [Lanes<S>; C] {
+    let mut out = [Lanes::splat(simd, 0.0); C];
+    for c in 0..C {
+        out[c] = Lanes::gather(simd, rows, c, C);
+    }
+    out
+}
+
+#[inline(always)]
+fn scatter_all<S: Simd, const C: usize>(rows: &mut [f64], values: &[Lanes<S>; C]) {
+    for c in 0..C {
+        values[c].scatter(rows, c, C);
+    }
+}
+
+/// Fills lanes beyond the last row with copies of it.
+#[inline(never)]
+fn pad<const C: usize>(rows: &[f64], padded: &mut [f64; WIDTH * MOST]) {
+    padded[..rows.len()].copy_from_slice(rows);
+    for k in rows.len()..WIDTH * C {
+        padded[k] = padded[k - C];
     }
 }
 

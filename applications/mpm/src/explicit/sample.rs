@@ -145,7 +145,10 @@ impl<'a, B: CellOf<'a, D, N>, const D: usize, const N: usize> pulp::WithSimd for
             let Some(cell) = Cell::<B, D, N>::of(grid.space, index, grid.mapping) else { continue };
             let numbers = numbers::<N>(grid.dofs, grid.space.nodes_of(index));
             let deforming = vectors_of::<D, N>(&numbers, fields.deforming);
-            let carrying = vectors_of::<D, N>(&numbers, fields.carrying);
+            let carrying = match std::ptr::eq(fields.carrying, fields.deforming) {
+                true => deforming,
+                false => vectors_of::<D, N>(&numbers, fields.carrying),
+            };
             let acceleration = vectors_of::<D, N>(&numbers, fields.acceleration);
             let smooth = vectors_of::<D, N>(&numbers, fields.smooth);
             for rows in groups(simd, points) {

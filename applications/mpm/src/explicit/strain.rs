@@ -30,7 +30,7 @@ pub struct Material<'a> {
 /// Groups whose law has not been asked yet.
 struct Batch {
     rows: [Rows; BATCH],
-    /// Deformation gradients at the start of the step.
+    /// Deformation gradients at the start of the step, for laws that do not answer in step.
     before: [Tensor<Pack>; BATCH],
     groups: [Group; BATCH],
     stresses: [[Pack; 6]; BATCH],
@@ -161,8 +161,10 @@ impl<const D: usize> pulp::WithSimd for Strain<'_, '_, D> {
             let (of_start, group) = (&mut batch.before[batch.len], &mut batch.groups[batch.len]);
             for a in 0..3 {
                 for b in 0..3 {
-                    before[a][b].store(&mut of_start[a][b]);
                     after[a][b].store(&mut group.gradient[a][b]);
+                    if !material.law.answers_in_step() {
+                        before[a][b].store(&mut of_start[a][b]);
+                    }
                 }
             }
             if accumulates {
