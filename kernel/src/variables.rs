@@ -56,6 +56,7 @@ impl Variable {
 pub struct Fields {
     scalars: BTreeMap<&'static str, Vec<f64>>,
     vectors: BTreeMap<&'static str, Vec<[f64; 3]>>,
+    rows: BTreeMap<&'static str, Column>,
     fixed: BTreeMap<&'static str, Vec<[bool; 3]>>,
 }
 
@@ -80,6 +81,22 @@ impl Fields {
         self.vectors.entry(variable.name).or_insert_with(|| vec![[0.0; 3]; count])
     }
 
+    /// The column of a tensor, if it exists.
+    pub fn rows(&self, variable: &Variable) -> Option<&Column> {
+        self.rows.get(variable.name)
+    }
+
+    /// The column of a tensor of `width` numbers, made of zeros for `count` entities if it did not
+    /// exist.
+    pub fn rows_mut(&mut self, variable: &Variable, width: usize, count: usize) -> &mut Column {
+        self.rows.entry(variable.name).or_insert_with(|| Column::new(width, count))
+    }
+
+    /// Numbers of a symmetric tensor, which all have the same; 0 if there is none.
+    pub fn symmetric_width(&self) -> usize {
+        self.rows.values().map(Column::width).find(|&width| width != 9).unwrap_or(0)
+    }
+
     /// Which components are fixed (a scalar uses the first), if any ever was.
     pub fn fixed(&self, variable: &Variable) -> Option<&[[bool; 3]]> {
         self.fixed.get(variable.name).map(Vec::as_slice)
@@ -94,7 +111,8 @@ impl Fields {
     pub fn columns(&self) -> Vec<(&'static str, usize)> {
         let scalars = self.scalars.iter().map(|(name, column)| (*name, 8 * column.len()));
         let vectors = self.vectors.iter().map(|(name, column)| (*name, 24 * column.len()));
-        scalars.chain(vectors).collect()
+        let rows = self.rows.iter().map(|(name, column)| (*name, column.bytes()));
+        scalars.chain(vectors).chain(rows).collect()
     }
 }
 
@@ -267,5 +285,12 @@ mod tests {
         fields.scalar_mut(&SPEED, 3)[1] = 2.0;
         assert_eq!(fields.scalar(&SPEED), Some(&[0.0, 2.0, 0.0][..]));
         assert_eq!(fields.columns(), [("SPEED", 24)]);
+        const SPIN: Variable = Variable::tensor("SPIN", "1/s", "spin");
+        const STRAIN: Variable = Variable::voigt("STRAIN", "1", "strain");
+        fields.rows_mut(&SPIN, 9, 3);
+        assert_eq!((fields.rows(&STRAIN), fields.symmetric_width()), (None, 0));
+        fields.rows_mut(&STRAIN, 4, 3).set(2, [1.0, 2.0, 3.0, 4.0]);
+        assert_eq!(fields.rows(&STRAIN).map(|column| column.row(2)), Some(&[1.0, 2.0, 3.0, 4.0][..]));
+        assert_eq!((fields.symmetric_width(), fields.columns().len()), (4, 3));
     }
 }

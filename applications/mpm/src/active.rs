@@ -98,7 +98,9 @@ pub fn search(
             match found {
                 Some((cell, xi)) => {
                     block.cell[point] = *cell;
-                    block.local.row_mut(point).copy_from_slice(&xi[..dimension]);
+                    if block.local.is_used() {
+                        block.local.row_mut(point).copy_from_slice(&xi[..dimension]);
+                    }
                 }
                 None if !block.position.row(point).iter().all(|x| x.is_finite()) => {
                     let advice = "a smaller time step, and look at the loads and material constants";

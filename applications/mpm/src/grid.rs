@@ -48,26 +48,36 @@ macro_rules! with_shape {
 }
 pub(crate) use with_shape;
 
-/// Coordinates of a cell's nodes.
-#[inline]
-pub fn corners<const D: usize, const N: usize>(grid: &ModelPart, nodes: &[u32]) -> [[f64; D]; N] {
-    std::array::from_fn(|i| {
-        let x = &grid.nodes.coordinates[nodes[i] as usize];
-        std::array::from_fn(|a| x[a])
-    })
+/// Numbers of a cell's functions among the active ones; all functions of an active cell have one.
+#[inline(always)]
+pub fn numbers<const N: usize>(dofs: &ActiveDofs, nodes: &[u32]) -> [usize; N] {
+    let mut numbers = [0; N];
+    for (number, &node) in numbers.iter_mut().zip(nodes) {
+        *number = dofs.number(node).unwrap_or(0);
+    }
+    numbers
 }
 
-/// Values of a cell's nodes out of a vector over the active dofs; zeros if it is empty.
-#[inline]
+/// Values of functions by their numbers out of a vector over the active dofs; zeros if it is empty.
+#[inline(always)]
+pub fn vectors_of<const D: usize, const N: usize>(numbers: &[usize; N], values: &[f64]) -> [[f64; D]; N] {
+    let mut vectors = [[0.0; D]; N];
+    if !values.is_empty() {
+        for i in 0..N {
+            vectors[i].copy_from_slice(&values[numbers[i] * D..(numbers[i] + 1) * D]);
+        }
+    }
+    vectors
+}
+
+/// Values of a cell's functions out of a vector over the active dofs; zeros if it is empty.
+#[inline(always)]
 pub fn nodal_vectors<const D: usize, const N: usize>(
     dofs: &ActiveDofs,
     nodes: &[u32],
     values: &[f64],
 ) -> [[f64; D]; N] {
-    std::array::from_fn(|i| match dofs.number(nodes[i]) {
-        Some(number) if !values.is_empty() => std::array::from_fn(|a| values[number * D + a]),
-        _ => [0.0; D],
-    })
+    vectors_of(&numbers(dofs, nodes), values)
 }
 
 /// Writes a vector over the active dofs to a column of the grid; other nodes keep their values.

@@ -2,7 +2,6 @@
 
 use super::Shape;
 use crate::lanes::Real;
-use std::array::from_fn;
 
 /// A shape with `D` local coordinates and `N` nodes.
 pub trait CellShape<const D: usize, const N: usize>: Copy + Send + Sync + 'static {
@@ -59,13 +58,12 @@ impl CellShape<1, 2> for Line2 {
 
     #[inline(always)]
     fn functions<R: Real>(&[x]: &[R; 1]) -> [R; 2] {
-        let one = R::splat(1.0);
-        [(one - x) * 0.5, (one + x) * 0.5]
+        [(x.constant(1.0) - x) * 0.5, (x + 1.0) * 0.5]
     }
 
     #[inline(always)]
-    fn gradients<R: Real>(_: &[R; 1]) -> [[R; 1]; 2] {
-        [[R::splat(-0.5)], [R::splat(0.5)]]
+    fn gradients<R: Real>(&[x]: &[R; 1]) -> [[R; 1]; 2] {
+        [[x.constant(-0.5)], [x.constant(0.5)]]
     }
 }
 
@@ -74,12 +72,13 @@ impl CellShape<2, 3> for Triangle3 {
 
     #[inline(always)]
     fn functions<R: Real>(&[x, y]: &[R; 2]) -> [R; 3] {
-        [R::splat(1.0) - x - y, x, y]
+        [x.constant(1.0) - x - y, x, y]
     }
 
     #[inline(always)]
-    fn gradients<R: Real>(_: &[R; 2]) -> [[R; 2]; 3] {
-        [[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]].map(|row: [f64; 2]| row.map(R::splat))
+    fn gradients<R: Real>(&[x, _]: &[R; 2]) -> [[R; 2]; 3] {
+        let (one, zero) = (x.constant(1.0), x.constant(0.0));
+        [[-one, -one], [one, zero], [zero, one]]
     }
 }
 
@@ -94,8 +93,9 @@ impl CellShape<2, 4> for Quadrilateral4 {
 
     #[inline(always)]
     fn gradients<R: Real>(&[x, y]: &[R; 2]) -> [[R; 2]; 4] {
-        let (x, y) = (line(x).map(|n| n * 0.5), line(y).map(|n| n * 0.5));
-        [[-y[0], -x[0]], [y[0], -x[1]], [y[1], x[1]], [-y[1], x[0]]]
+        let ([x0, x1], [y0, y1]) = (line(x), line(y));
+        let (x0, x1, y0, y1) = (x0 * 0.5, x1 * 0.5, y0 * 0.5, y1 * 0.5);
+        [[-y0, -x0], [y0, -x1], [y1, x1], [-y1, x0]]
     }
 }
 
@@ -104,12 +104,13 @@ impl CellShape<3, 4> for Tetrahedron4 {
 
     #[inline(always)]
     fn functions<R: Real>(&[x, y, z]: &[R; 3]) -> [R; 4] {
-        [R::splat(1.0) - x - y - z, x, y, z]
+        [x.constant(1.0) - x - y - z, x, y, z]
     }
 
     #[inline(always)]
-    fn gradients<R: Real>(_: &[R; 3]) -> [[R; 3]; 4] {
-        [[-1.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|row: [f64; 3]| row.map(R::splat))
+    fn gradients<R: Real>(&[x, ..]: &[R; 3]) -> [[R; 3]; 4] {
+        let (one, zero) = (x.constant(1.0), x.constant(0.0));
+        [[-one; 3], [one, zero, zero], [zero, one, zero], [zero, zero, one]]
     }
 }
 
@@ -120,7 +121,11 @@ impl CellShape<3, 8> for Hexahedron8 {
     fn functions<R: Real>(&[x, y, z]: &[R; 3]) -> [R; 8] {
         let base = <Quadrilateral4 as CellShape<2, 4>>::functions(&[x, y]);
         let z = line(z);
-        from_fn(|a| base[a % 4] * z[a / 4])
+        let mut functions = [x; 8];
+        for a in 0..8 {
+            functions[a] = base[a % 4] * z[a / 4];
+        }
+        functions
     }
 
     #[inline(always)]
@@ -128,10 +133,12 @@ impl CellShape<3, 8> for Hexahedron8 {
         let base = <Quadrilateral4 as CellShape<2, 4>>::functions(&[x, y]);
         let slope = <Quadrilateral4 as CellShape<2, 4>>::gradients(&[x, y]);
         let (z, dz) = (line(z), [-0.5, 0.5]);
-        from_fn(|a| {
+        let mut gradients = [[x; 3]; 8];
+        for a in 0..8 {
             let (b, layer) = (a % 4, a / 4);
-            [slope[b][0] * z[layer], slope[b][1] * z[layer], base[b] * dz[layer]]
-        })
+            gradients[a] = [slope[b][0] * z[layer], slope[b][1] * z[layer], base[b] * dz[layer]];
+        }
+        gradients
     }
 }
 
@@ -157,11 +164,11 @@ pub(super) fn transformed<R: Real, const D: usize, const N: usize>(
     local: &[[R; D]; N],
 ) -> ([[R; D]; N], R) {
     let (adjugate, determinant) = adjugate(&jacobian(corners, local));
-    let mut gradients = [[R::splat(0.0); D]; N];
+    let mut gradients = *local;
     for a in 0..N {
         for i in 0..D {
-            let mut sum = R::splat(0.0);
-            for j in 0..D {
+            let mut sum = local[a][0] * adjugate[0][i];
+            for j in 1..D {
                 sum += local[a][j] * adjugate[j][i];
             }
             gradients[a][i] = sum / determinant;
@@ -172,11 +179,11 @@ pub(super) fn transformed<R: Real, const D: usize, const N: usize>(
 
 /// J\[i\]\[j\] = Σ_a X_a\[i\] ∂N_a/∂ξ_j.
 #[inline(always)]
-pub(super) fn jacobian<R: Real, const D: usize, const N: usize>(
+pub fn jacobian<R: Real, const D: usize, const N: usize>(
     corners: &[[f64; D]; N],
     gradients: &[[R; D]; N],
 ) -> [[R; D]; D] {
-    let mut jacobian = [[R::splat(0.0); D]; D];
+    let mut jacobian = [[gradients[0][0].constant(0.0); D]; D];
     for a in 0..N {
         for i in 0..D {
             for j in 0..D {
@@ -189,12 +196,12 @@ pub(super) fn jacobian<R: Real, const D: usize, const N: usize>(
 
 /// Adjugate and determinant of a matrix of at most 3 × 3: m · adj m = det m · 1.
 #[inline(always)]
-pub(super) fn adjugate<R: Real, const D: usize>(m: &[[R; D]; D]) -> ([[R; D]; D], R) {
+pub fn adjugate<R: Real, const D: usize>(m: &[[R; D]; D]) -> ([[R; D]; D], R) {
     const { assert!(D >= 1 && D <= 3) };
-    let mut adjugate = [[R::splat(1.0); D]; D];
+    let mut adjugate = [[m[0][0].constant(1.0); D]; D];
     if D == 2 {
-        adjugate[0] = from_fn(|j| [m[1][1], -m[0][1]][j]);
-        adjugate[1] = from_fn(|j| [-m[1][0], m[0][0]][j]);
+        adjugate[0].copy_from_slice(&[m[1][1], -m[0][1]]);
+        adjugate[1].copy_from_slice(&[-m[1][0], m[0][0]]);
     } else if D == 3 {
         for i in 0..3 {
             let (i1, i2) = ((i + 1) % 3, (i + 2) % 3);
@@ -204,8 +211,8 @@ pub(super) fn adjugate<R: Real, const D: usize>(m: &[[R; D]; D]) -> ([[R; D]; D]
             }
         }
     }
-    let mut determinant = R::splat(0.0);
-    for j in 0..D {
+    let mut determinant = m[0][0] * adjugate[0][0];
+    for j in 1..D {
         determinant += m[0][j] * adjugate[j][0];
     }
     (adjugate, determinant)

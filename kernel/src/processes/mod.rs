@@ -84,9 +84,25 @@ pub struct Requirements {
     pub energies: bool,
     /// Everything that the account of a run (`--record`) holds.
     pub record: bool,
+    /// Nodal variables that processes write.
+    pub provided: Vec<&'static str>,
+    /// Faults of what processes read and write between them.
+    pub faults: InputErrors,
 }
 
 impl Requirements {
+    /// Says that the process at `place` writes a nodal variable, at the end of each step. Processes
+    /// that read it must come after it, and no other may write it.
+    pub fn provide(&mut self, variable: &'static str, place: &Parameters) {
+        if self.provided.contains(&variable) {
+            self.faults.push(place.error(format!("another process writes {variable:?} to the nodes, too")));
+        } else if self.wants(Location::Nodes, variable) {
+            let message = format!("a process before this one reads {variable:?} of the nodes, which this one writes");
+            self.faults.push(place.error(message).help("put this process before it, in an earlier list"));
+        }
+        self.provided.push(variable);
+    }
+
     /// True when a variable is wanted at a location.
     pub fn wants(&self, location: Location, variable: &str) -> bool {
         self.variables.iter().any(|w| w.location == location && w.variable == variable)

@@ -8,19 +8,25 @@
 //!
 //! Sources: Sulsky, Zhou & Schreyer 1995; Bardenhagen 2002; Nairn 2003.
 
+mod cells;
 mod chunk;
-mod gather;
 mod kinematics;
 mod kratos_faults;
 mod nodes;
-mod points;
+mod patches;
+mod rows;
+mod sample;
+mod search;
 mod stability;
+mod strain;
+mod to_grid;
+mod to_points;
 
 use crate::active::ActiveCells;
-use crate::grid::{GRID, write_nodal};
+use crate::grid::GRID;
 use crate::points::{Columns, MaterialPoints};
 use crate::scene::{Scene, move_conditions, points_of, with_points};
-use crate::settings::{ExplicitSettings, Scheme, SolverSettings, Stepping};
+use crate::settings::{ExplicitSettings, Frame, Scheme, SolverSettings, Stepping, Transfer};
 use crate::variables::{ACCELERATION, DISPLACEMENT, NODAL_MASS, REACTION, VELOCITY};
 use bia_constitutive::Kinematics;
 use bia_kernel::diagnostic::InputErrors;
@@ -31,29 +37,36 @@ use bia_kernel::processes::{Clock, Context, Location, Process, Requirements, Res
 use bia_kernel::registry::Registry;
 use bia_kernel::solving::StepReport;
 use bia_kernel::solving::solver::{Inventory, Solver};
-use gather::{Gather, Wanted};
+use bia_kernel::variables::Variable;
+use cells::Mapping;
 use kratos_faults::KratosFaults;
 use nodes::Nodes;
-use points::{Cause, Field, Trouble, advance, update_stress};
+use patches::Patches;
+use sample::{Fields, Grid};
+use search::Search;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
+use to_grid::{Gather, Wanted};
+use to_points::{Cause, Field, Strokes, Trouble};
 
 const SEARCH: usize = 0;
 const TO_GRID: usize = 1;
 const TO_POINTS: usize = 2;
-const STRESS: usize = 3;
 
 /// The solver with what it keeps from step to step.
 pub struct Explicit {
     scene: Scene,
     settings: ExplicitSettings,
     faults: KratosFaults,
+    mapping: Mapping,
+    search: Search,
     active: ActiveCells,
+    patches: Patches,
     nodes: Nodes,
     limits: Limits,
     /// Nodal variables that someone reads.
     shown: Vec<&'static str>,
-    stages: [(&'static str, Duration); 4],
+    stages: [(&'static str, Duration); 3],
     told_step: bool,
     arch: pulp::Arch,
 }
@@ -92,11 +105,14 @@ impl Explicit {
             scene: Scene::new(settings, options),
             settings: explicit,
             faults,
+            mapping: Mapping { affine: false, stored: true },
+            search: Search::default(),
             active: ActiveCells::default(),
+            patches: Patches::default(),
             nodes: Nodes::default(),
             limits: Limits::default(),
             shown: Vec::new(),
-            stages: ["search", "points to grid", "grid to points", "stress"].map(|name| (name, Duration::ZERO)),
+            stages: ["search", "points to grid", "grid to points"].map(|name| (name, Duration::ZERO)),
             told_step: false,
             arch: pulp::Arch::new(),
         }
@@ -104,18 +120,34 @@ impl Explicit {
 
     /// Finds the points' cells; numbers the nodes again if the cells have changed.
     fn update_active(&mut self, points: &mut MaterialPoints, grid: &ModelPart, time_step: f64) -> Result<(), Error> {
-        self.scene.search(points)?;
+        let frame = self.frame();
+        let mut moved = self.search.find(&mut self.scene, points, frame)?;
         if self.settings.leave_edges {
             self.leave_edges(points, grid, time_step);
+            moved = true;
         }
-        let before = std::mem::take(&mut self.active.cells);
-        self.active.gather(&points.blocks, grid.elements.len());
-        if before != self.active.cells {
-            self.nodes.renumber(grid, &self.active, points.dimension());
-            let sizes = self.active.cells.iter().map(|&cell| self.limits.sizes[cell as usize]);
-            self.limits.smallest = sizes.fold(f64::INFINITY, f64::min);
+        if moved {
+            let before = std::mem::take(&mut self.active.cells);
+            self.active.gather(&points.blocks, grid.elements.len());
+            if before != self.active.cells || self.patches.len() == 0 {
+                self.renumber(points);
+            }
+            if self.search.restore_order(points, &self.active, grid.elements.len()) {
+                self.active.gather(&points.blocks, grid.elements.len());
+            }
         }
         Ok(())
+    }
+
+    fn renumber(&mut self, points: &MaterialPoints) {
+        self.nodes.renumber(&self.scene.space, &self.active, points.dimension());
+        self.patches = Patches::new(&self.scene.space, &self.active, &self.nodes.dofs);
+        let sizes = self.active.cells.iter().map(|&cell| self.limits.sizes[cell as usize]);
+        self.limits.smallest = sizes.fold(f64::INFINITY, f64::min);
+    }
+
+    fn frame(&self) -> Frame {
+        self.scene.settings.discretisation.frame
     }
 
     /// Moves points that lie on an edge of their cell by a thousandth of their path, as Kratos does
@@ -125,9 +157,8 @@ impl Explicit {
         for block in &mut points.blocks {
             for point in 0..block.len() {
                 let Some(&shape) = grid.elements.shapes.get(block.cell[point] as usize) else { continue };
-                let (mut xi, mut functions) = ([0.0; 3], [0.0; 8]);
-                let local = block.local.row(point);
-                xi[..local.len()].copy_from_slice(local);
+                let mut functions = [0.0; 8];
+                let Some((_, xi)) = locator.locate(block.coordinates(point), Some(block.cell[point])) else { continue };
                 shape.functions(xi, &mut functions[..shape.node_count()]);
                 if functions[..shape.node_count()].iter().all(|n| *n >= f64::EPSILON) {
                     continue;
@@ -137,22 +168,27 @@ impl Explicit {
                 block.position.row_mut(point).iter_mut().zip(velocity).for_each(|(x, v)| *x += step * v);
                 if let Some((cell, xi)) = locator.locate(block.coordinates(point), Some(block.cell[point])) {
                     block.cell[point] = cell;
-                    let local = block.local.row_mut(point);
-                    local.copy_from_slice(&xi[..local.len()]);
+                    if block.local.is_used() {
+                        let local = block.local.row_mut(point);
+                        local.copy_from_slice(&xi[..local.len()]);
+                    }
                 }
             }
         }
     }
 
     /// Sums the points up on the nodes.
-    fn gather(&mut self, points: &MaterialPoints, grid: &ModelPart, wanted: Wanted, time_step: f64) {
+    fn gather(&mut self, points: &MaterialPoints, wanted: Wanted, time_step: f64) {
         let begin = Instant::now();
         let central = self.settings.scheme == Scheme::CentralDifference;
         let gather = Gather {
             blocks: &points.blocks,
             active: &self.active,
-            grid,
+            patches: &self.patches,
+            space: &self.scene.space,
             dofs: &self.nodes.dofs,
+            mapping: self.mapping,
+            frame: self.frame(),
             kinematics: points.kinematics,
             ahead: if central { 0.5 * time_step } else { 0.0 },
             faults: self.faults,
@@ -162,19 +198,41 @@ impl Explicit {
         self.stages[TO_GRID].1 += begin.elapsed();
     }
 
-    fn field<'a>(&'a self, grid: &'a ModelPart, time_step: f64) -> Field<'a> {
-        Field {
-            grid,
+    /// Does these strokes with the points, by these fields of the grid.
+    fn strokes(
+        &mut self,
+        points: &mut MaterialPoints,
+        time_step: f64,
+        fields: Fields,
+        strokes: Strokes,
+    ) -> Result<(), Error> {
+        let begin = Instant::now();
+        let grid = Grid {
+            space: &self.scene.space,
             dofs: &self.nodes.dofs,
-            velocity: &self.nodes.velocity,
-            acceleration: &self.nodes.acceleration,
-            time_step,
-            gamma: self.gamma(),
-            reach: self.faults.reach(self.limits.smallest),
-            compressible: self.settings.compressible,
+            mapping: self.mapping,
+            kinematics: points.kinematics,
             faults: self.faults,
             arch: self.arch,
+        };
+        let field = Field {
+            grid,
+            fields,
+            frame: self.frame(),
+            time_step,
+            gamma: self.gamma(),
+            transfer: self.settings.transfer,
+            reach: self.faults.reach(self.limits.smallest),
+            compressible: self.settings.compressible,
+        };
+        let found = to_points::apply(points, &field, strokes);
+        self.stages[TO_POINTS].1 += begin.elapsed();
+        let found = found.map_err(|trouble| self.failure(points, &trouble, time_step))?;
+        if strokes.kick {
+            self.limits.point = found.fastest;
         }
+        self.search.leavers.extend(found.leavers);
+        Ok(())
     }
 
     fn gamma(&self) -> f64 {
@@ -183,13 +241,6 @@ impl Explicit {
 
     fn updates_stress_first(&self) -> bool {
         matches!(self.settings.scheme, Scheme::UpdateStressFirst | Scheme::CentralDifference)
-    }
-
-    fn update_stress(&mut self, points: &mut MaterialPoints, grid: &ModelPart, time_step: f64) -> Result<(), Error> {
-        let begin = Instant::now();
-        let updated = update_stress(points, &self.field(grid, time_step));
-        self.stages[STRESS].1 += begin.elapsed();
-        updated.map_err(|trouble| self.failure(points, &trouble, time_step))
     }
 
     /// The end of an unstable run.
@@ -240,34 +291,86 @@ impl Explicit {
         Ok(())
     }
 
+    /// Takes the points to the end of the step, carried by this velocity of the nodes.
+    fn move_points(
+        &mut self,
+        points: &mut MaterialPoints,
+        time_step: f64,
+        carrying: &[f64],
+    ) -> Result<(), Error> {
+        let (acceleration, drift, kick) = (std::mem::take(&mut self.nodes.acceleration), true, true);
+        let smooth = if self.settings.transfer == Transfer::Flip(1.0) { &[] } else { carrying };
+        let fields = Fields { deforming: &[], carrying, acceleration: &acceleration, smooth };
+        let moved = match self.settings.scheme {
+            Scheme::ModifiedUpdateStressLast => {
+                let fields = Fields { carrying: &[], ..fields };
+                let kicked = self.strokes(points, time_step, fields, Strokes { kick, ..Strokes::default() });
+                kicked.and_then(|()| self.map_again(points, time_step, carrying))
+            }
+            Scheme::UpdateStressLast => {
+                let fields = Fields { deforming: carrying, ..fields };
+                self.strokes(points, time_step, fields, Strokes { strain: true, kick, drift })
+            }
+            _ => self.strokes(points, time_step, fields, Strokes { kick, drift, ..Strokes::default() }),
+        };
+        self.nodes.acceleration = acceleration;
+        moved
+    }
+
+    /// Deforms points by the velocity that their own new velocities give the grid, and moves them.
+    fn map_again(&mut self, points: &mut MaterialPoints, time_step: f64, carrying: &[f64]) -> Result<(), Error> {
+        self.nodes.sums.momentum.fill(0.0);
+        self.gather(points, Wanted::MovedMomentum, time_step);
+        self.nodes.velocity.resize(carrying.len(), 0.0);
+        self.nodes.find_velocity();
+        let velocity = std::mem::take(&mut self.nodes.velocity);
+        let fields = Fields { deforming: &velocity, carrying, ..Fields::default() };
+        let moved = self.strokes(points, time_step, fields, Strokes { strain: true, drift: true, kick: false });
+        self.nodes.velocity = velocity;
+        moved
+    }
+
     fn shows(&self, name: &str) -> bool {
         self.shown.contains(&name)
     }
 
     /// Writes what someone reads on the grid.
     fn write_nodes(&self, grid: &mut ModelPart, increments: &[f64]) {
-        let count = grid.nodes.len();
-        if self.shows("NODAL_MASS") {
+        let (count, space, dofs) = (grid.nodes.len(), &self.scene.space, &self.nodes.dofs);
+        let keeps = self.faults.shows_old_nodes();
+        if self.shows(NODAL_MASS.name) {
             let column = grid.node_fields.scalar_mut(&NODAL_MASS, count);
-            if !self.faults.shows_old_nodes() {
+            if keeps {
+                dofs.nodes().iter().for_each(|&node| column[node as usize] = 0.0);
+            } else {
                 column.fill(0.0);
             }
-            for (&node, mass) in self.nodes.dofs.nodes().iter().zip(&self.nodes.sums.mass) {
-                column[node as usize] = *mass;
-            }
+            space.spread(dofs, |number, node, share| column[node] += share * self.nodes.sums.mass[number]);
         }
+        let reset = |grid: &mut ModelPart, variable: &Variable| {
+            if !keeps {
+                grid.node_fields.vector_mut(variable, count).fill([0.0; 3]);
+            }
+        };
         for (variable, values) in [
             (&DISPLACEMENT, increments),
             (&VELOCITY, &self.nodes.velocity),
             (&ACCELERATION, &self.nodes.acceleration),
-            (&REACTION, &self.nodes.reaction),
         ] {
             if self.shows(variable.name) {
-                if !self.faults.shows_old_nodes() {
-                    grid.node_fields.vector_mut(variable, count).fill([0.0; 3]);
-                }
-                write_nodal(grid, &self.nodes.dofs, variable, values);
+                reset(grid, variable);
+                space.write_field(grid, dofs, variable, values);
             }
+        }
+        if self.shows(REACTION.name) {
+            reset(grid, &REACTION);
+            let block = dofs.block();
+            let column = grid.node_fields.vector_mut(&REACTION, count);
+            dofs.nodes().iter().filter(|_| keeps).for_each(|&node| column[node as usize] = [0.0; 3]);
+            space.spread(dofs, |number, node, share| {
+                let reaction = &self.nodes.reaction[number * block..(number + 1) * block];
+                reaction.iter().zip(&mut column[node]).for_each(|(r, sum)| *sum += share * r);
+            });
         }
     }
 }
@@ -294,7 +397,17 @@ impl Solver for Explicit {
         if self.scene.settings.reactions && !self.shows(REACTION.name) {
             self.shown.push(REACTION.name);
         }
-        let needed = Columns { velocity: true, acceleration: true, local: true, stress: true, ..Columns::default() };
+        if let Some(grid) = model.part(GRID) {
+            self.mapping = search::mapping(grid, &self.scene.settings.discretisation);
+        }
+        let needed = Columns {
+            velocity: true,
+            acceleration: self.settings.scheme == Scheme::CentralDifference,
+            local: self.mapping.stored,
+            stress: true,
+            volume: true,
+            ..Columns::default()
+        };
         self.scene.make_points(model, requirements, needed)?;
         let Some((grid, points)) = model.part(GRID).zip(points_of(model)) else { return Ok(()) };
         self.limits.sizes = stability::cell_sizes(grid);
@@ -319,9 +432,7 @@ impl Solver for Explicit {
         }
         let Some((grid, points)) = context.model.part(GRID).zip(points_of(context.model)) else { return Ok(()) };
         self.active.gather(&points.blocks, grid.elements.len());
-        self.nodes.renumber(grid, &self.active, points.dimension());
-        let sizes = self.active.cells.iter().map(|&cell| self.limits.sizes[cell as usize]);
-        self.limits.smallest = sizes.fold(f64::INFINITY, f64::min);
+        self.renumber(points);
         self.limits.point = stability::point_speed(points);
         tracing::info!("stable time step {:.4e} s: {}", self.limits.stable_step(), self.limits.describe());
         Ok(())
@@ -349,9 +460,9 @@ impl Solver for Explicit {
             let begin = Instant::now();
             self.update_active(points, grid, time_step)?;
             self.stages[SEARCH].1 += begin.elapsed();
-            self.nodes.start(grid, time_step, self.faults);
+            self.nodes.start(grid, &self.scene.space, time_step, self.faults);
             let wanted = if self.updates_stress_first() { Wanted::Momentum } else { Wanted::Both };
-            self.gather(points, grid, wanted, time_step);
+            self.gather(points, wanted, time_step);
             self.nodes.weigh(self.faults);
             Ok(())
         })
@@ -362,8 +473,12 @@ impl Solver for Explicit {
         with_points(context.model, |points, grid| {
             if self.updates_stress_first() {
                 self.nodes.find_velocity();
-                self.update_stress(points, grid, time_step)?;
-                self.gather(points, grid, Wanted::Force, time_step);
+                let velocity = std::mem::take(&mut self.nodes.velocity);
+                let fields = Fields { deforming: &velocity, ..Fields::default() };
+                let strained = self.strokes(points, time_step, fields, Strokes { strain: true, ..Strokes::default() });
+                self.nodes.velocity = velocity;
+                strained?;
+                self.gather(points, Wanted::Force, time_step);
             }
             let axisymmetric = points.kinematics == Kinematics::Axisymmetric;
             let loads =
@@ -380,31 +495,22 @@ impl Solver for Explicit {
     fn finalize_solution_step(&mut self, context: &mut Context) -> Result<(), Error> {
         let time_step = context.clock.time_step;
         with_points(context.model, |points, grid| {
-            let begin = Instant::now();
-            let advanced = advance(points, &self.field(grid, time_step));
-            self.limits.point = advanced.map_err(|trouble| self.failure(points, &trouble, time_step))?;
-            let conditions = !points.conditions.is_empty();
+            let carrying = std::mem::take(&mut self.nodes.velocity);
+            let moved = self.move_points(points, time_step, &carrying);
+            if self.settings.scheme != Scheme::ModifiedUpdateStressLast {
+                self.nodes.velocity = carrying.clone();
+            }
+            moved?;
             let mut increments = Vec::new();
-            if conditions || (self.shows(DISPLACEMENT.name) && !self.faults.shows_old_nodes()) {
-                increments.extend(self.nodes.velocity.iter().map(|v| v * time_step));
+            if !points.conditions.is_empty() || (self.shows(DISPLACEMENT.name) && !self.faults.shows_old_nodes()) {
+                increments.extend(carrying.iter().map(|v| v * time_step));
                 let least = self.faults.least_function();
-                let motion = [&increments[..], &self.nodes.velocity[..]];
+                let motion = [&increments[..], &carrying[..]];
                 move_conditions(&mut points.conditions, &self.scene.space, &self.nodes.dofs, motion, least);
             }
             if self.faults.shows_old_nodes() {
                 increments.clear();
                 increments.resize(self.nodes.dofs.order(), 0.0);
-            }
-            self.stages[TO_POINTS].1 += begin.elapsed();
-            match self.settings.scheme {
-                Scheme::UpdateStressLast => self.update_stress(points, grid, time_step)?,
-                Scheme::ModifiedUpdateStressLast => {
-                    self.nodes.sums.momentum.fill(0.0);
-                    self.gather(points, grid, Wanted::MovedMomentum, time_step);
-                    self.nodes.find_velocity();
-                    self.update_stress(points, grid, time_step)?;
-                }
-                _ => {}
             }
             self.write_nodes(grid, &increments);
             Ok(())
