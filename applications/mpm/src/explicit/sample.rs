@@ -6,7 +6,7 @@ use super::chunk::Chunk;
 use super::kratos_faults::KratosFaults;
 use super::rows::{Rows, groups};
 use crate::active::NO_CELL;
-use crate::grid::{vectors_of, numbers};
+use crate::grid::{numbers, vectors_of};
 use crate::space::{Space, with_basis};
 use bia_constitutive::Kinematics;
 use bia_constitutive::tensor::Tensor;
