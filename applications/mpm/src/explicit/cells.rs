@@ -45,7 +45,6 @@ pub struct Cell<B, const D: usize, const N: usize> {
 }
 
 impl<'a, S: CellShape<D, N>, const D: usize, const N: usize> CellOf<'a, D, N> for MeshCell<S, D, N> {
-
     #[inline(always)]
     fn of(space: &'a Space, cell: usize) -> Option<Self> {
         Some(Self::new(space.corners(cell)))
@@ -109,9 +108,7 @@ impl<const D: usize, const N: usize, const P1: usize> BoxMap<D> for TensorCell<'
 
 /// The map of a cell with parallel sides, from one corner and its neighbours along the local axes.
 #[inline(always)]
-fn affine_map<S: CellShape<D, N>, const D: usize, const N: usize>(
-    corner: impl Fn(usize) -> [f64; D],
-) -> AffineMap<D> {
+fn affine_map<S: CellShape<D, N>, const D: usize, const N: usize>(corner: impl Fn(usize) -> [f64; D]) -> AffineMap<D> {
     let simplex = is_simplex(S::SHAPE);
     // Neighbours of the first corner along the local axes.
     let neighbours = if simplex { [1, 2, 3] } else { [1, 3, 4] };

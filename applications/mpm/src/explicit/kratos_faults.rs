@@ -3,8 +3,8 @@
 
 use bia_constitutive::tensor::{Tensor, product, transpose};
 use bia_kernel::lanes::{Lanes, Real};
-use pulp::Simd;
 use nalgebra::Matrix3;
+use pulp::Simd;
 
 /// Whether a run repeats the faults.
 #[derive(Debug, Clone, Copy)]

@@ -292,12 +292,7 @@ impl Explicit {
     }
 
     /// Takes the points to the end of the step, carried by this velocity of the nodes.
-    fn move_points(
-        &mut self,
-        points: &mut MaterialPoints,
-        time_step: f64,
-        carrying: &[f64],
-    ) -> Result<(), Error> {
+    fn move_points(&mut self, points: &mut MaterialPoints, time_step: f64, carrying: &[f64]) -> Result<(), Error> {
         let (acceleration, drift, kick) = (std::mem::take(&mut self.nodes.acceleration), true, true);
         let smooth = if self.settings.transfer == Transfer::Flip(1.0) { &[] } else { carrying };
         let fields = Fields { deforming: &[], carrying, acceleration: &acceleration, smooth };
@@ -352,11 +347,9 @@ impl Explicit {
                 grid.node_fields.vector_mut(variable, count).fill([0.0; 3]);
             }
         };
-        for (variable, values) in [
-            (&DISPLACEMENT, increments),
-            (&VELOCITY, &self.nodes.velocity),
-            (&ACCELERATION, &self.nodes.acceleration),
-        ] {
+        for (variable, values) in
+            [(&DISPLACEMENT, increments), (&VELOCITY, &self.nodes.velocity), (&ACCELERATION, &self.nodes.acceleration)]
+        {
             if self.shows(variable.name) {
                 reset(grid, variable);
                 space.write_field(grid, dofs, variable, values);

@@ -99,9 +99,7 @@ impl Search {
 
 /// How local coordinates are had on a grid.
 pub fn mapping(grid: &ModelPart, choice: &Discretisation) -> Mapping {
-    let is_parallel = |cell: usize| {
-        with_shape!(grid.elements.shapes[cell], |S, D, N| is_affine::<S, D, N>(&corners(grid, cell)), else true)
-    };
+    let is_parallel = |cell: usize| with_shape!(grid.elements.shapes[cell], |S, D, N| is_affine::<S, D, N>(&corners(grid, cell)), else true);
     let affine = choice.basis != Basis::Mesh || (0..grid.elements.len()).all(is_parallel);
     Mapping { affine, stored: choice.frame == Frame::Total || !affine }
 }

@@ -96,13 +96,7 @@ impl Material<'_> {
     }
 
     /// Stresses of laws that answer point by point.
-    fn one_by_one(
-        &self,
-        chunk: &mut Chunk,
-        rows: Rows,
-        group: &Group,
-        before: &Tensor<Pack>,
-    ) -> AtPoint<[Pack; 6]> {
+    fn one_by_one(&self, chunk: &mut Chunk, rows: Rows, group: &Group, before: &Tensor<Pack>) -> AtPoint<[Pack; 6]> {
         let deformations = self.deformations(chunk, group, before);
         let width = self.law.state_len();
         let states = &mut chunk.state[rows.first * width..(rows.first + rows.count) * width];
@@ -187,13 +181,7 @@ impl<const D: usize> pulp::WithSimd for Strain<'_, '_, D> {
 impl Material<'_> {
     /// Stores a new deformation gradient and volume.
     #[inline(always)]
-    fn deform<S: Simd>(
-        &self,
-        simd: S,
-        chunk: &mut Chunk,
-        rows: Rows,
-        gradient: &Tensor<Lanes<S>>,
-    ) -> AtPoint<()> {
+    fn deform<S: Simd>(&self, simd: S, chunk: &mut Chunk, rows: Rows, gradient: &Tensor<Lanes<S>>) -> AtPoint<()> {
         let (_, jacobian) = adjugate(gradient);
         if !jacobian.all_within(f64::MIN_POSITIVE, f64::MAX) {
             let jacobians = jacobian.pack().0;

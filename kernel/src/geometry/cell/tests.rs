@@ -1,5 +1,6 @@
 use super::super::testing::{Random, position};
 use super::*;
+use std::array::from_fn;
 
 #[test]
 fn functions_are_one_at_their_node_and_sum_to_one() {
