@@ -138,11 +138,5 @@ fn all_outside(points: &MaterialPoints, locator: &CellLocator) -> Option<Failure
 
 /// The dofs of the nodes of the active cells.
 pub fn active_dofs(grid: &Cells, nodes: usize, cells: &[u32], block: usize) -> ActiveDofs {
-    let mut active = vec![false; nodes];
-    for &cell in cells {
-        for &node in grid.nodes_of(cell as usize) {
-            active[node as usize] = true;
-        }
-    }
-    ActiveDofs::new(block, &active)
+    ActiveDofs::of_cells(block, nodes, grid, cells)
 }

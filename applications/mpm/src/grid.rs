@@ -51,10 +51,7 @@ pub(crate) use with_shape;
 /// Coordinates of a cell's nodes.
 #[inline]
 pub fn corners<const D: usize, const N: usize>(grid: &ModelPart, nodes: &[u32]) -> [[f64; D]; N] {
-    std::array::from_fn(|i| {
-        let x = &grid.nodes.coordinates[nodes[i] as usize];
-        std::array::from_fn(|a| x[a])
-    })
+    grid.nodes.gather(nodes)
 }
 
 /// Values of a cell's nodes out of a vector over the active dofs; zeros if it is empty.
@@ -64,17 +61,11 @@ pub fn nodal_vectors<const D: usize, const N: usize>(
     nodes: &[u32],
     values: &[f64],
 ) -> [[f64; D]; N] {
-    std::array::from_fn(|i| match dofs.number(nodes[i]) {
-        Some(number) if !values.is_empty() => std::array::from_fn(|a| values[number * D + a]),
-        _ => [0.0; D],
-    })
+    dofs.gather(nodes, values)
 }
 
 /// Writes a vector over the active dofs to a column of the grid; other nodes keep their values.
 pub fn write_nodal(grid: &mut ModelPart, dofs: &ActiveDofs, variable: &Variable, values: &[f64]) {
-    let (count, block) = (grid.nodes.len(), dofs.block());
-    let column = grid.node_fields.vector_mut(variable, count);
-    for (number, &node) in dofs.nodes().iter().enumerate() {
-        column[node as usize][..block].copy_from_slice(&values[number * block..(number + 1) * block]);
-    }
+    let count = grid.nodes.len();
+    dofs.scatter(values, grid.node_fields.vector_mut(variable, count));
 }

@@ -9,7 +9,6 @@ mod grid;
 mod implicit;
 mod inventory;
 mod loads;
-mod materials;
 mod names;
 pub mod points;
 mod processes;

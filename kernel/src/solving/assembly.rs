@@ -3,7 +3,9 @@
 //! Cells are computed in parallel, a batch at a time, and added one after the other in their
 //! order: the sums have the same bits for every number of threads.
 
+use super::ActiveDofs;
 use super::ordered::in_order;
+use crate::model::Cells;
 use bia_linalg::{BlockMatrix, BlockPattern};
 use std::sync::Arc;
 
@@ -49,6 +51,17 @@ impl System {
         let pattern = Arc::new(pattern);
         let rhs = vec![0.0; block * rows];
         Self { matrix: BlockMatrix::new(pattern), rhs, cells, starts, places, place_starts, buffers: Vec::new() }
+    }
+
+    /// The system that couples the nodes of each of these cells.
+    pub fn of_cells(cells: &Cells, chosen: &[u32], dofs: &ActiveDofs) -> Self {
+        let (mut numbers, mut starts) = (Vec::new(), vec![0]);
+        for &cell in chosen {
+            let of_cell = cells.nodes_of(cell as usize).iter().filter_map(|&node| dofs.number(node));
+            numbers.extend(of_cell.map(|number| number as u32));
+            starts.push(numbers.len() as u32);
+        }
+        Self::new(dofs.block(), dofs.nodes().len(), numbers, starts)
     }
 
     /// Sets the right-hand side, and the matrix if wanted, to zero.

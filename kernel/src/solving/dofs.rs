@@ -1,5 +1,7 @@
 //! The unknowns: a block of dofs on each active node.
 
+use crate::model::Cells;
+
 /// Marks a node without dofs.
 const NONE: u32 = u32::MAX;
 
@@ -21,6 +23,15 @@ impl ActiveDofs {
             numbers[node as usize] = number as u32;
         }
         Self { block, fixed: vec![false; block * nodes.len()], nodes, numbers }
+    }
+
+    /// Numbers the nodes of these cells.
+    pub fn of_cells(block: usize, nodes: usize, cells: &Cells, chosen: &[u32]) -> Self {
+        let mut active = vec![false; nodes];
+        for &cell in chosen {
+            cells.nodes_of(cell as usize).iter().for_each(|&node| active[node as usize] = true);
+        }
+        Self::new(block, &active)
     }
 
     /// Dofs a node.
@@ -59,6 +70,31 @@ impl ActiveDofs {
     /// Which dofs are fixed, to be changed.
     pub fn fixed_mut(&mut self) -> &mut [bool] {
         &mut self.fixed
+    }
+
+    /// Values of a cell's nodes out of a vector over the dofs; zeros if it is empty.
+    #[inline]
+    pub fn gather<const D: usize, const N: usize>(&self, nodes: &[u32], values: &[f64]) -> [[f64; D]; N] {
+        std::array::from_fn(|i| match self.number(nodes[i]) {
+            Some(number) if !values.is_empty() => std::array::from_fn(|a| values[number * D + a]),
+            _ => [0.0; D],
+        })
+    }
+
+    /// Writes a vector over the dofs to a column of all nodes; other nodes keep their values.
+    pub fn scatter(&self, values: &[f64], column: &mut [[f64; 3]]) {
+        for (&node, values) in self.nodes.iter().zip(values.chunks_exact(self.block.max(1))) {
+            column[node as usize][..self.block].copy_from_slice(values);
+        }
+    }
+
+    /// Adds a share of a force to a node; a node without dofs takes none.
+    pub fn add_force(&self, node: u32, share: f64, force: [f64; 3], forces: &mut [f64]) {
+        if let Some(number) = self.number(node) {
+            for a in 0..self.block {
+                forces[number * self.block + a] += share * force[a];
+            }
+        }
     }
 
     /// The node index and component of a dof.
