@@ -43,12 +43,13 @@ impl Variable {
     }
 }
 
-/// Values of variables on the nodes or conditions of a model part. A variable that no component
+/// Values of variables on the nodes, elements or conditions of a model part. A variable that no component
 /// of the scene asks for has no column.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Fields {
     scalars: BTreeMap<&'static str, Vec<f64>>,
     vectors: BTreeMap<&'static str, Vec<[f64; 3]>>,
+    tensors: BTreeMap<&'static str, Column>,
     fixed: BTreeMap<&'static str, Vec<[bool; 3]>>,
 }
 
@@ -73,6 +74,17 @@ impl Fields {
         self.vectors.entry(variable.name).or_insert_with(|| vec![[0.0; 3]; count])
     }
 
+    /// The column of a symmetric tensor, if it exists.
+    pub fn tensor(&self, variable: &Variable) -> Option<&Column> {
+        self.tensors.get(variable.name)
+    }
+
+    /// The column of a symmetric tensor, made of zeros with `width` numbers for each of `count`
+    /// entities if it did not exist.
+    pub fn tensor_mut(&mut self, variable: &Variable, width: usize, count: usize) -> &mut Column {
+        self.tensors.entry(variable.name).or_insert_with(|| Column::new(width, count))
+    }
+
     /// Which components are fixed (a scalar uses the first), if any ever was.
     pub fn fixed(&self, variable: &Variable) -> Option<&[[bool; 3]]> {
         self.fixed.get(variable.name).map(Vec::as_slice)
@@ -87,7 +99,8 @@ impl Fields {
     pub fn columns(&self) -> Vec<(&'static str, usize)> {
         let scalars = self.scalars.iter().map(|(name, column)| (*name, 8 * column.len()));
         let vectors = self.vectors.iter().map(|(name, column)| (*name, 24 * column.len()));
-        scalars.chain(vectors).collect()
+        let tensors = self.tensors.iter().map(|(name, column)| (*name, column.bytes()));
+        scalars.chain(vectors).chain(tensors).collect()
     }
 }
 

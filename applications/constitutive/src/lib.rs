@@ -23,7 +23,7 @@ pub mod tensor;
 pub mod verify;
 
 pub use body_material::{BodyMaterial, BuiltLaw, MATERIAL_IMPORT, MaterialSource};
-pub use catalogue::{Build, Catalogue, DuplicateLaw, LawEntry, MaterialPlaces, catalogue};
+pub use catalogue::{Build, Catalogue, DuplicateLaw, LawEntry, MaterialPlaces, catalogue, register};
 pub use error::LawError;
 pub use hypoelastic::Hypoelastic;
 pub use kinematics::Kinematics;

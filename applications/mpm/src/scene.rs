@@ -145,6 +145,7 @@ impl Scene {
                 Location::PointConditions if !fields::CONDITION_VARIABLES.contains(&name) => {
                     errors.push(unknown(&mut fields::CONDITION_VARIABLES.iter().copied()));
                 }
+                Location::Elements => errors.push(unknown(&mut std::iter::empty())),
                 Location::Nodes if !NODAL_VARIABLES.contains(&name) => {
                     errors.push(unknown(&mut NODAL_VARIABLES.iter().copied()));
                 }

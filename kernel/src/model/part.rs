@@ -175,6 +175,8 @@ pub struct ModelPart {
     pub children: Vec<SubModelPart>,
     /// Values on the nodes, allocated on demand.
     pub node_fields: Fields,
+    /// Values on the elements, allocated on demand.
+    pub element_fields: Fields,
     /// Values on the conditions, allocated on demand.
     pub condition_fields: Fields,
     /// Data given to nodes in the mesh file: variable → (node index, fixed, value).

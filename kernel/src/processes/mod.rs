@@ -60,8 +60,10 @@ pub enum Location {
     Points,
     /// On the conditions of the points' part.
     PointConditions,
-    /// On grid nodes.
+    /// On nodes of a mesh.
     Nodes,
+    /// On elements of a mesh.
+    Elements,
 }
 
 /// A variable that a process will read, with the place of the JSON that asks for it.

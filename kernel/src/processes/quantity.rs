@@ -65,12 +65,12 @@ impl Quantity {
         }
     }
 
-    /// Numbers that the quantity has on a node (or condition).
+    /// Numbers that the quantity has on a node (or condition); symmetric tensors have more.
     pub fn width(&self) -> usize {
         if self.variable.rank == Rank::Vector && self.component.is_none() { 3 } else { 1 }
     }
 
-    /// Appends the value of a node (or condition); zero where the variable has no column.
+    /// Appends the value of a node (or cell); zero where the variable has no column.
     pub fn append(&self, fields: &Fields, index: usize, out: &mut Vec<f64>) {
         let components = match self.component {
             Some(component) => component..component + 1,
@@ -79,6 +79,9 @@ impl Quantity {
         match (self.variable.rank, fields.vector(&self.variable), fields.scalar(&self.variable)) {
             (Rank::Vector, Some(column), _) => out.extend_from_slice(&column[index][components]),
             (Rank::Scalar, _, Some(column)) => out.push(column[index]),
+            (Rank::Voigt, ..) if fields.tensor(&self.variable).is_some() => {
+                out.extend(fields.tensor(&self.variable).iter().flat_map(|column| column.row(index)));
+            }
             _ => out.extend(components.map(|_| 0.0)),
         }
     }

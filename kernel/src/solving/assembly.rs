@@ -30,6 +30,20 @@ pub struct CellBuffer {
     pub matrix: Vec<f64>,
     /// nodes × block.
     pub vector: Vec<f64>,
+    /// Room for whatever the application needs while it computes a cell; never cleared.
+    pub scratch: Vec<f64>,
+}
+
+impl CellBuffer {
+    /// Zeros for a cell of this size, nodes × block.
+    pub fn clear(&mut self, size: usize, with_matrix: bool) {
+        self.vector.clear();
+        self.vector.resize(size, 0.0);
+        if with_matrix {
+            self.matrix.clear();
+            self.matrix.resize(size * size, 0.0);
+        }
+    }
 }
 
 impl System {
@@ -86,12 +100,7 @@ impl System {
         let mut buffers = std::mem::take(&mut self.buffers);
         let sizes: Vec<usize> = self.starts.windows(2).map(|range| block * (range[1] - range[0]) as usize).collect();
         let prepare = |cell: usize, buffer: &mut CellBuffer| {
-            buffer.vector.clear();
-            buffer.vector.resize(sizes[cell], 0.0);
-            if with_matrix {
-                buffer.matrix.clear();
-                buffer.matrix.resize(sizes[cell] * sizes[cell], 0.0);
-            }
+            buffer.clear(sizes[cell], with_matrix);
             compute(cell, buffer)
         };
         let add = |cell: usize, buffer: &CellBuffer| self.add_cell(cell, buffer, with_matrix);
