@@ -8,5 +8,8 @@ mod common;
 mod bar;
 mod body;
 mod column;
+mod cook;
 mod failures;
+mod manufactured;
 mod patch;
+mod plate;

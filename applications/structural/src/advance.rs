@@ -1,7 +1,7 @@
 //! How the state advances: from the start, by central differences, or by Newton's method.
 
 use crate::problem::{Motion, Problem, Tangent, describe_dof};
-use crate::solver::Structural;
+use crate::solver::{Structural, uninitialised};
 use crate::variables::{DISPLACEMENT, VELOCITY};
 use bia_kernel::error::{Error, Failure};
 use bia_kernel::model::{Model, ModelPart};
@@ -81,7 +81,7 @@ impl Structural {
 
     /// Accelerations under these forces with the mass of the scheme; 0 on held dofs.
     fn accelerations(&mut self, model: &Model, mut forces: Vec<f64>) -> Result<Vec<f64>, Error> {
-        let (true, Some((mut system, mut linear))) = (self.consistent(), self.linear.take()) else {
+        let Some((mut system, mut linear)) = self.linear.take_if(|_| self.settings.is_consistent()) else {
             let both = self.state.mass.iter().zip(self.dofs.fixed());
             let each = forces.iter().zip(both);
             return Ok(each.map(|(force, (mass, fixed))| if *fixed { 0.0 } else { force / mass }).collect());
@@ -145,7 +145,7 @@ impl Structural {
 
     /// Newton's method for statics and implicit dynamics.
     pub(crate) fn solve(&mut self, model: &Model, time_step: f64) -> Result<StepReport, Error> {
-        let Some((mut system, mut linear)) = self.linear.take() else { return Ok(StepReport::default()) };
+        let Some((mut system, mut linear)) = self.linear.take() else { return Err(uninitialised().into()) };
         let state = &self.state;
         let motion = Motion::new(self.settings.regime, time_step, [&state.velocity, &state.acceleration, &state.mass]);
         let (step, displacements) = (self.step(model, time_step)?, state.displacement.clone());

@@ -129,6 +129,11 @@ impl SolverSettings {
         errors.or(built)
     }
 
+    /// Whether inertia acts by the consistent mass.
+    pub fn is_consistent(&self) -> bool {
+        matches!(self.regime, Regime::Implicit { consistent: true, .. })
+    }
+
     /// The linear solver for symmetric or unsymmetric tangents.
     ///
     /// # Errors

@@ -83,10 +83,6 @@ impl Structural {
         self.settings.regime != Regime::Static
     }
 
-    pub(crate) fn consistent(&self) -> bool {
-        matches!(self.settings.regime, Regime::Implicit { consistent: true, .. })
-    }
-
     /// The step as elements see it.
     ///
     /// # Errors
@@ -94,7 +90,7 @@ impl Structural {
     pub(crate) fn step<'a>(&'a self, model: &'a Model, time_step: f64) -> Result<Step<'a>, Failure> {
         match (model.part(&self.settings.part), &self.body) {
             (Some(part), Some(body)) => Ok(Step { part, body, dofs: &self.dofs, start: &self.state.start, time_step }),
-            _ => Err(Failure::new("the solver was not initialised", "report this as a fault of Bia")),
+            _ => Err(uninitialised()),
         }
     }
 
@@ -201,6 +197,11 @@ impl Structural {
             false => Ok(()),
         }
     }
+}
+
+/// A fault of the program, told rather than left to a panic.
+pub(crate) fn uninitialised() -> Failure {
+    Failure::new("the solver was not initialised", "report this as a fault of Bia")
 }
 
 impl Solver for Structural {
@@ -319,7 +320,7 @@ impl Solver for Structural {
     }
 
     fn energies(&self, model: &Model) -> Vec<(&'static str, f64)> {
-        self.step(model, 0.0).map_or(Vec::new(), |step| self.state.energies(&step, self.consistent()))
+        self.step(model, 0.0).map_or(Vec::new(), |step| self.state.energies(&step, self.settings.is_consistent()))
     }
 
     fn account(&self, model: &Model) -> serde_json::Map<String, serde_json::Value> {
@@ -332,7 +333,7 @@ impl Solver for Structural {
     }
 
     fn snapshot(&self, model: &Model, out: &mut JsonObject) -> std::io::Result<()> {
-        self.step(model, 0.0).map_or(Ok(()), |step| self.state.snapshot(&step, self.consistent(), out))
+        self.step(model, 0.0).map_or(Ok(()), |step| self.state.snapshot(&step, self.settings.is_consistent(), out))
     }
 
     fn stages(&self) -> Vec<(&'static str, Duration)> {
