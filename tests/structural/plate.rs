@@ -3,7 +3,7 @@
 //!
 //! Source: Renaud and Heuzé (2017), §5.2. Reference: finite volumes of order 2 with 1600 × 1200 cells,
 //! as means of the bottom row of 32 cells; an independent finite-element code with these elements at
-//! Courant 0.9 has errors of 9.0, 11.0 and 9.8 % in the L1 norm.
+//! Courant 0.9 has errors of 9.0, 11.0 and 9.8 % in the L1 norm, this one 7.8, 7.1 and 7.9 %.
 
 use super::body::{Body, assign, fix, material};
 use super::common::{Cell, Mesh};
@@ -56,12 +56,10 @@ fn error(cells: usize, time: f64, reference: &[f64]) -> f64 {
 
 #[test]
 fn stress_of_the_impact_agrees_with_finite_volumes() {
-    for ((time, reference), independent) in REFERENCE.into_iter().zip([0.090, 0.110, 0.098]) {
+    for (time, reference) in REFERENCE {
         let coarse = error(32, time, reference);
-        eprintln!("PLATE {time} coarse {coarse} 64: {} ", error(64, time, reference));
-        assert!((coarse - independent).abs() < 0.5, "t = {time} s: {coarse}, not {independent}");
+        assert!(coarse < 0.09, "t = {time} s: {coarse}");
         let fine = error(128, time, reference);
-        eprintln!("fine {fine}");
-        assert!(fine < 2.6 * coarse, "t = {time} s: {coarse}, then {fine} on cells four times finer");
+        assert!(fine < 0.3 * coarse, "t = {time} s: {coarse}, then {fine} on cells four times finer");
     }
 }

@@ -6,7 +6,6 @@ use crate::variables::{DISPLACEMENT, VELOCITY};
 use bia_kernel::error::{Error, Failure};
 use bia_kernel::model::{Model, ModelPart};
 use bia_kernel::solving::{NonlinearSystem, StepReport};
-use bia_kernel::variables::Variable;
 
 impl Structural {
     /// The velocity that holds a dof whose displacement nothing holds.
@@ -49,16 +48,9 @@ impl Structural {
     /// Displacements, velocities and, from the equation of motion, accelerations at the start.
     pub(crate) fn start(&mut self, model: &Model) -> Result<(), Error> {
         let Some(part) = model.part(&self.settings.part) else { return Ok(()) };
-        let from = |variable: &Variable| {
-            let column = part.node_fields.vector(variable);
-            let value = |dof: usize| {
-                let (node, a) = self.dofs.node_of(dof);
-                column.map_or(0.0, |column| column[node as usize][a])
-            };
-            (0..self.dofs.order()).map(value).collect::<Vec<f64>>()
-        };
-        let (displacement, velocity) = (from(&DISPLACEMENT), from(&VELOCITY));
-        self.state.start = displacement.clone();
+        let displacement = self.dofs.collect(part.node_fields.vector(&DISPLACEMENT));
+        let velocity = self.dofs.collect(part.node_fields.vector(&VELOCITY));
+        self.state.start.clone_from(&displacement);
         self.state.displacement = displacement;
         if self.dynamic() {
             self.state.velocity = velocity;

@@ -1,6 +1,6 @@
 //! The body: its elements with their laws and history, and what they answer to displacements.
 
-use crate::element::{MOST_POINTS, Point};
+use crate::element::Point;
 use crate::settings::SolverSettings;
 use bia_constitutive::{BodyMaterial, BuiltLaw, Catalogue, Deformation, Kinematics, Options, Response, Want};
 use bia_kernel::diagnostic::{Diagnostic, InputErrors};
@@ -24,7 +24,7 @@ pub struct Body {
     /// Materials.
     pub materials: Vec<ElementMaterial>,
     material_of: Vec<u16>,
-    /// Rule of each shape.
+    /// Rule of each shape: as many points as nodes, which integrate stiffness and mass in full.
     rules: [Vec<QuadraturePoint>; Shape::ALL.len()],
     /// History at the start of the step, element after element, point after point.
     pub states: Vec<f64>,
@@ -32,28 +32,14 @@ pub struct Body {
     pub state_starts: Vec<usize>,
 }
 
-/// The points of an element with the law's answers; those beyond `count` are empty.
+/// The points of an element with the law's answers.
 pub struct Answers<const D: usize, const N: usize> {
-    /// Number of points.
-    pub count: usize,
     /// Integration points.
-    pub points: [Point<D, N>; MOST_POINTS],
+    pub points: [Point<D, N>; N],
     /// Deformations.
-    pub deformations: [Deformation; MOST_POINTS],
+    pub deformations: [Deformation; N],
     /// Stress, and tangent if wanted.
-    pub responses: [Response; MOST_POINTS],
-}
-
-/// Points that integrate stiffness and mass of a shape without error where it is affine.
-fn full_rule(shape: Shape) -> Vec<QuadraturePoint> {
-    let count = match shape {
-        Shape::Point1 => 1,
-        Shape::Line2 => 2,
-        Shape::Triangle3 => 3,
-        Shape::Quadrilateral4 | Shape::Tetrahedron4 => 4,
-        Shape::Hexahedron8 => 8,
-    };
-    rule(shape, count).unwrap_or_default()
+    pub responses: [Response; N],
 }
 
 impl Body {
@@ -92,7 +78,7 @@ impl Body {
             }
         }
         let materials: Vec<ElementMaterial> = errors.or(built)?.into_iter().flatten().collect();
-        let rules = Shape::ALL.map(full_rule);
+        let rules = Shape::ALL.map(|shape| rule(shape, shape.node_count()).unwrap_or_default());
         let mut body = Self { materials, material_of, rules, states: Vec::new(), state_starts: vec![0] };
         for (element, &shape) in part.elements.shapes.iter().enumerate() {
             let law = &body.materials[body.material_of[element] as usize].built.law;
@@ -115,14 +101,11 @@ impl Body {
         &self,
         part: &ModelPart,
         element: usize,
-    ) -> (usize, [Point<D, N>; MOST_POINTS]) {
-        let material = self.material(element);
+    ) -> [Point<D, N>; N] {
+        let ElementMaterial { built, extent, .. } = self.material(element);
         let corners = part.nodes.gather(part.elements.nodes_of(element));
         let rule = &self.rules[S::SHAPE as usize];
-        let at = |k: usize| {
-            Point::new::<S>(&corners, &rule[k.min(rule.len() - 1)], material.built.kinematics, material.extent)
-        };
-        (rule.len(), std::array::from_fn(at))
+        std::array::from_fn(|k| Point::new::<S>(&corners, &rule[k], built.kinematics, *extent))
     }
 
     /// What an element answers to nodal displacements; `states` is scratch for the history and goes
@@ -141,12 +124,13 @@ impl Body {
         states: &mut Vec<f64>,
     ) -> Result<Answers<D, N>, Failure> {
         let BuiltLaw { law, kinematics, .. } = &self.material(element).built;
-        let (count, points) = self.points::<S, D, N>(part, element);
-        let mut deformations = [Deformation::from_gradient(Matrix3::identity()); MOST_POINTS];
-        for (deformation, point) in deformations.iter_mut().zip(&points[..count]) {
-            deformation.gradient = point.gradient(*kinematics, displacements);
-            deformation.previous = point.gradient(*kinematics, previous);
-            deformation.time_step = time_step;
+        let points = self.points::<S, D, N>(part, element);
+        let deformations = points.map(|point| Deformation {
+            previous: point.gradient(*kinematics, previous),
+            time_step,
+            ..Deformation::from_gradient(point.gradient(*kinematics, displacements))
+        });
+        for (deformation, point) in deformations.iter().zip(&points) {
             let jacobian = deformation.gradient.determinant();
             if jacobian.is_nan() || jacobian <= 0.0 {
                 let what = "the displacement turns an element inside out";
@@ -162,13 +146,13 @@ impl Body {
         }
         states.clear();
         states.extend_from_slice(&self.states[self.state_starts[element]..self.state_starts[element + 1]]);
-        let mut responses = [Response::default(); MOST_POINTS];
-        law.respond(&deformations[..count], states, &mut responses[..count], want).map_err(|(k, error)| {
+        let mut responses = [Response::default(); N];
+        law.respond(&deformations, states, &mut responses, want).map_err(|(k, error)| {
             let what = format!("the law {} has no answer: {error}", law.name());
             let failure = Failure::new(what, "a smaller time step or smaller loads");
             located(failure, part, element, &points[k].functions, &deformations[k].gradient)
         })?;
-        Ok(Answers { count, points, deformations, responses })
+        Ok(Answers { points, deformations, responses })
     }
 }
 

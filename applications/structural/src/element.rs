@@ -16,8 +16,6 @@ use bia_kernel::solving::CellBuffer;
 use nalgebra::Matrix3;
 use std::f64::consts::TAU;
 
-/// Most integration points of an element.
-pub const MOST_POINTS: usize = 8;
 /// Voigt index of a pair of directions.
 const VOIGT: [[usize; 3]; 3] = [[0, 3, 5], [3, 1, 4], [5, 4, 2]];
 

@@ -61,7 +61,7 @@ impl Step<'_> {
             buffer.scratch = states;
             let answers = answers?;
             let accelerations = (!accelerations.is_empty()).then(|| gather(accelerations));
-            for k in 0..answers.count {
+            for k in 0..N {
                 let (point, kinematics) = (&answers.points[k], material.built.kinematics);
                 let (deformation, response) = (&answers.deformations[k], &answers.responses[k]);
                 point.add_stress(kinematics, deformation, response, buffer, tangent.stiffness);
@@ -113,9 +113,9 @@ impl Step<'_> {
                 let value = values(nodes[i]);
                 std::array::from_fn(|a| -value[a])
             });
-            let (count, points) = self.body.points::<S, D, N>(self.part, element);
+            let points = self.body.points::<S, D, N>(self.part, element);
             let density = self.body.material(element).density;
-            points[..count].iter().for_each(|point| point.add_inertia(density, &minus, None, buffer));
+            points.iter().for_each(|point| point.add_inertia(density, &minus, None, buffer));
         }, else ());
     }
 

@@ -4,7 +4,7 @@ use crate::problem::Step;
 use crate::solver::State;
 use crate::variables::{
     ACCELERATION, CAUCHY_STRESS_VECTOR, DISPLACEMENT, GREEN_LAGRANGE_STRAIN_VECTOR, PK2_STRESS_VECTOR, REACTION,
-    VELOCITY,
+    VELOCITY, VOLUME_ACCELERATION,
 };
 use bia_constitutive::tensor::{green_lagrange_strain, strain_to_voigt, stress_to_voigt};
 use bia_constitutive::{Deformation, Response, Voigt, Want};
@@ -14,6 +14,7 @@ use bia_kernel::io::dataset::{Field, FieldData};
 use bia_kernel::io::json::JsonObject;
 use bia_kernel::model::{Model, ModelPart};
 use bia_kernel::processes::vtk::{CellKind, mesh_dataset};
+use bia_kernel::solving::loads::{LINE_LOAD, NEGATIVE_FACE_PRESSURE, POINT_LOAD, POSITIVE_FACE_PRESSURE, SURFACE_LOAD};
 use bia_kernel::solving::ordered::in_order;
 use bia_kernel::solving::solver::write_failed_state;
 use bia_kernel::variables::Variable;
@@ -22,8 +23,19 @@ use nalgebra::Matrix3;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
-/// Variables of nodes that the solver can show.
-pub const NODAL: &[Variable] = &[DISPLACEMENT, VELOCITY, ACCELERATION, REACTION];
+/// Variables of nodes that can be shown: those of the solver and those that it reads.
+pub const NODAL: &[Variable] = &[
+    DISPLACEMENT,
+    VELOCITY,
+    ACCELERATION,
+    REACTION,
+    VOLUME_ACCELERATION,
+    POINT_LOAD,
+    LINE_LOAD,
+    SURFACE_LOAD,
+    POSITIVE_FACE_PRESSURE,
+    NEGATIVE_FACE_PRESSURE,
+];
 /// Variables of elements that the solver can show.
 pub const ELEMENTAL: &[Variable] = &[CAUCHY_STRESS_VECTOR, PK2_STRESS_VECTOR, GREEN_LAGRANGE_STRAIN_VECTOR];
 
@@ -55,8 +67,8 @@ impl ElementResults {
                 let answers = step.body.answers::<S, D, N>(
                     step.part, element, [&both[0], &both[1]], time_step, Want::Stress, states,
                 )?;
-                let volume: f64 = answers.points[..answers.count].iter().map(|point| point.volume).sum();
-                for k in 0..answers.count {
+                let volume: f64 = answers.points.iter().map(|point| point.volume).sum();
+                for k in 0..N {
                     let (deformation, share) = (&answers.deformations[k], answers.points[k].volume / volume);
                     for (mean, value) in buffer.1.iter_mut().zip(measures(deformation, &answers.responses[k])) {
                         mean.iter_mut().zip(value).for_each(|(mean, value)| *mean += share * value);
@@ -151,21 +163,11 @@ impl State {
         let part = step.part;
         out.object("nodes", |out| {
             out.integers("ids", part.nodes.ids.iter().copied())?;
-            for variable in NODAL {
-                if let Some(column) = part.node_fields.vector(variable) {
-                    out.rows(variable.name, column)?;
-                }
-            }
-            Ok(())
+            part.node_fields.record(out)
         })?;
         out.object("elements", |out| {
             out.integers("ids", part.elements.ids.iter().copied())?;
-            for variable in ELEMENTAL {
-                if let Some(column) = part.element_fields.tensor(variable) {
-                    out.rows(variable.name, (0..part.elements.len()).map(|element| column.row(element).to_vec()))?;
-                }
-            }
-            Ok(())
+            part.element_fields.record(out)
         })
     }
 }

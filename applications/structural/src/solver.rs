@@ -94,39 +94,18 @@ impl Structural {
         }
     }
 
-    /// Which of the wanted variables the solver shows.
+    /// What is to be written of nodes and elements.
     fn require(&mut self, requirements: &Requirements) -> Result<(), InputErrors> {
         let mut errors = InputErrors::default();
-        for wanted in &requirements.variables {
-            let known = match wanted.location {
-                Location::Nodes => NODAL,
-                Location::Elements => ELEMENTAL,
-                _ => &[],
-            };
-            let found = known.iter().find(|variable| variable.name == wanted.variable);
-            match found {
-                Some(variable) if wanted.location == Location::Elements => self.elemental.push(*variable),
-                Some(_) => {}
-                None if wanted.location == Location::Nodes && self.is_input(&wanted.variable) => {}
-                None => {
-                    let message = format!("nobody in this scene provides {:?}", wanted.variable);
-                    let names = known.iter().map(|variable| variable.name);
-                    errors.push(wanted.place.error(message).allowed(&wanted.variable, names));
-                }
-            }
-        }
+        requirements.choose(Location::Points, &[], &mut errors);
+        requirements.choose(Location::Nodes, NODAL, &mut errors);
+        self.elemental = requirements.choose(Location::Elements, ELEMENTAL, &mut errors);
         if requirements.record {
             self.elemental = ELEMENTAL.to_vec();
         }
         self.reactions =
             self.settings.reactions || requirements.record || requirements.wants(Location::Nodes, REACTION.name);
         errors.or(())
-    }
-
-    /// Variables of nodes that processes write and outputs may show.
-    fn is_input(&self, name: &str) -> bool {
-        ["VOLUME_ACCELERATION", "POINT_LOAD", "LINE_LOAD", "SURFACE_LOAD"].contains(&name)
-            || name.ends_with("_FACE_PRESSURE")
     }
 
     /// Refuses conditions on nodes without elements, whose loads would be lost.

@@ -15,6 +15,7 @@ use crate::diagnostic::InputErrors;
 use crate::error::Error;
 use crate::model::Model;
 use crate::parameters::Parameters;
+use crate::variables::Variable;
 use std::path::PathBuf;
 
 /// Step and time of the analysis.
@@ -89,6 +90,24 @@ pub struct Requirements {
 }
 
 impl Requirements {
+    /// Those of the variables that a solver knows at a location which are wanted there; the others
+    /// that are wanted there become errors.
+    pub fn choose(&self, location: Location, known: &[Variable], errors: &mut InputErrors) -> Vec<Variable> {
+        let mut chosen: Vec<Variable> = Vec::new();
+        for wanted in self.variables.iter().filter(|wanted| wanted.location == location) {
+            match known.iter().find(|variable| variable.name == wanted.variable) {
+                Some(variable) if chosen.iter().any(|other| other.name == variable.name) => {}
+                Some(variable) => chosen.push(*variable),
+                None => {
+                    let message = format!("nobody in this scene provides {:?}", wanted.variable);
+                    let names = known.iter().map(|variable| variable.name);
+                    errors.push(wanted.place.error(message).allowed(&wanted.variable, names));
+                }
+            }
+        }
+        chosen
+    }
+
     /// True when a variable is wanted at a location.
     pub fn wants(&self, location: Location, variable: &str) -> bool {
         self.variables.iter().any(|w| w.location == location && w.variable == variable)

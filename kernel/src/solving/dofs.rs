@@ -81,6 +81,15 @@ impl ActiveDofs {
         })
     }
 
+    /// The vector over the dofs of a column of all nodes; zeros if there is none.
+    pub fn collect(&self, column: Option<&[[f64; 3]]>) -> Vec<f64> {
+        let value = |dof| {
+            let (node, a) = self.node_of(dof);
+            column.map_or(0.0, |column| column[node as usize][a])
+        };
+        (0..self.order()).map(value).collect()
+    }
+
     /// Writes a vector over the dofs to a column of all nodes; other nodes keep their values.
     pub fn scatter(&self, values: &[f64], column: &mut [[f64; 3]]) {
         for (&node, values) in self.nodes.iter().zip(values.chunks_exact(self.block.max(1))) {
@@ -114,5 +123,12 @@ mod tests {
         assert_eq!((dofs.number(3), dofs.number(2), dofs.number(9)), (Some(1), None, None));
         dofs.fixed_mut()[2] = true;
         assert_eq!((dofs.order(), dofs.free(), dofs.node_of(3)), (4, 3, (3, 1)));
+        let column = [[0.0; 3], [1.0, 2.0, 9.0], [5.0; 3], [3.0, 4.0, 9.0]];
+        let values = dofs.collect(Some(&column));
+        assert_eq!((values.as_slice(), dofs.collect(None)), (&[1.0, 2.0, 3.0, 4.0][..], vec![0.0; 4]));
+        assert_eq!(dofs.gather::<2, 3>(&[3, 0, 1], &values), [[3.0, 4.0], [0.0; 2], [1.0, 2.0]]);
+        let mut back = [[7.0; 3]; 4];
+        dofs.scatter(&values, &mut back);
+        assert_eq!(back, [[7.0; 3], [1.0, 2.0, 7.0], [7.0; 3], [3.0, 4.0, 7.0]]);
     }
 }
