@@ -18,6 +18,7 @@ pub struct Body {
     /// Members of solver_settings that differ from those in [`Body::project`].
     pub solver: Value,
     pub processes: Vec<Value>,
+    pub outputs: Vec<Value>,
 }
 
 /// A material.
@@ -48,7 +49,16 @@ pub fn load(part: &str, variable: &str, value: Value) -> Value {
 
 impl Body {
     pub fn new(mesh: Mesh, material: Value, solver: Value, end_time: f64) -> Self {
-        Self { mesh, parts: Vec::new(), loads: Vec::new(), material, end_time, solver, processes: Vec::new() }
+        Self {
+            mesh,
+            parts: Vec::new(),
+            loads: Vec::new(),
+            material,
+            end_time,
+            solver,
+            processes: Vec::new(),
+            outputs: Vec::new(),
+        }
     }
 
     /// Names a set of nodes.
@@ -89,6 +99,7 @@ impl Body {
                              "end_time": self.end_time},
             "solver_settings": settings,
             "processes": {"list": self.processes},
+            "output_processes": {"list": self.outputs},
         })
     }
 

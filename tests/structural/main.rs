@@ -10,6 +10,7 @@ mod body;
 mod column;
 mod cook;
 mod failures;
+mod loads;
 mod manufactured;
 mod patch;
 mod plate;

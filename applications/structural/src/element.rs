@@ -178,3 +178,6 @@ fn moduli(pairs: &[(usize, usize)], inverse: &Matrix3<f64>, scale: f64, response
     }
     moduli
 }
+
+#[cfg(test)]
+mod tests;
