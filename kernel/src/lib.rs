@@ -10,6 +10,7 @@ pub mod error;
 pub mod expression;
 pub mod geometry;
 pub mod io;
+pub mod lanes;
 pub mod model;
 pub mod modelers;
 pub mod parameters;

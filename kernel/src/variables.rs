@@ -136,6 +136,16 @@ impl Column {
         Self { width, values: vec![0.0; width * points] }
     }
 
+    /// The same numbers for `points` points.
+    pub fn repeated(row: &[f64], points: usize) -> Self {
+        Self { width: row.len(), values: row.repeat(points) }
+    }
+
+    /// Makes room for exactly so many more points.
+    pub fn reserve(&mut self, points: usize) {
+        self.values.reserve_exact(self.width * points);
+    }
+
     /// Numbers a point.
     pub fn width(&self) -> usize {
         self.width
@@ -196,9 +206,43 @@ impl Column {
         self.values.truncate(to * width);
     }
 
+    /// Brings the points into another order: place k then holds what was at `order[k]`, a
+    /// permutation. `scratch` keeps its memory from call to call.
+    ///
+    /// # Panics
+    /// `order` is shorter than the column, or names a point beyond it.
+    pub fn reorder(&mut self, order: &[u32], scratch: &mut Vec<f64>) {
+        match self.width {
+            0 => {}
+            1 => reorder_rows::<1>(&mut self.values, order, scratch),
+            2 => reorder_rows::<2>(&mut self.values, order, scratch),
+            3 => reorder_rows::<3>(&mut self.values, order, scratch),
+            6 => reorder_rows::<6>(&mut self.values, order, scratch),
+            9 => reorder_rows::<9>(&mut self.values, order, scratch),
+            width => {
+                scratch.clear();
+                scratch.extend_from_slice(&self.values);
+                for (row, &from) in self.values.chunks_exact_mut(width).zip(order) {
+                    row.copy_from_slice(&scratch[from as usize * width..(from as usize + 1) * width]);
+                }
+            }
+        }
+    }
+
     /// Bytes in use.
     pub fn bytes(&self) -> usize {
         8 * self.values.len()
+    }
+}
+
+/// Rows of a length that the compiler knows are moved without a call each.
+fn reorder_rows<const W: usize>(values: &mut [f64], order: &[u32], scratch: &mut Vec<f64>) {
+    scratch.clear();
+    scratch.extend_from_slice(values);
+    let (rows, old) = (values.as_chunks_mut::<W>().0, scratch.as_chunks::<W>().0);
+    assert!(order.len() >= rows.len(), "an order for fewer points than there are");
+    for (row, &from) in rows.iter_mut().zip(order) {
+        *row = old[from as usize];
     }
 }
 
@@ -218,6 +262,25 @@ mod tests {
         let mut unused = Column::default();
         unused.retain(&[true, false]);
         assert!(!unused.is_used() && unused.bytes() == 0);
+    }
+
+    /// Each width, in an order without fixed points; the inverse order brings all back.
+    #[test]
+    fn columns_take_any_order_and_come_back() {
+        let order = [3, 0, 4, 1, 2];
+        let inverse = [1, 3, 4, 0, 2];
+        let mut scratch = Vec::new();
+        for width in 0..=10 {
+            let mut column = Column::new(width, 5);
+            column.values_mut().iter_mut().enumerate().for_each(|(i, value)| *value = i as f64);
+            let before = column.clone();
+            column.reorder(&order, &mut scratch);
+            for (place, &from) in order.iter().enumerate() {
+                assert_eq!(column.row(place), before.row(from as usize), "width {width}");
+            }
+            column.reorder(&inverse, &mut scratch);
+            assert_eq!(column, before);
+        }
     }
 
     #[test]

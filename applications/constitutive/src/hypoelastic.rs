@@ -7,9 +7,12 @@
 //! Plane stress: λ* = 2λμ/(λ + 2μ) for λ. No energy: in large closed cycles of strain a hypoelastic
 //! solid does work. Source: Simo and Hughes, Computational Inelasticity, §7.1-7.3.
 
+use bia_kernel::lanes::{Lanes, Real};
+
 use crate::{
-    ConstitutiveLaw, DENSITY, Deformation, Fault, LameParameters, LawError, Material, MaterialVariable, POISSON_RATIO,
-    Tangent, Voigt, YOUNG_MODULUS, tensor::volume_ratio,
+    ConstitutiveLaw, DENSITY, Deformation, Fault, Group, LameParameters, LawError, Material, MaterialVariable,
+    POISSON_RATIO, Tangent, Voigt, WIDTH, YOUNG_MODULUS,
+    tensor::{adjugate, volume_ratio},
 };
 
 /// The solid of this file. With `PLANE_STRESS`, no strain across the plane is handed over.
@@ -24,6 +27,28 @@ impl<const PLANE_STRESS: bool> Hypoelastic<PLANE_STRESS> {
     pub fn from_lame(lame: LameParameters) -> Self {
         Self { lame: if PLANE_STRESS { lame.of_plane_stress() } else { lame } }
     }
+
+    /// Hooke's law times `factor`.
+    #[inline(always)]
+    fn hooke<R: Real>(&self, strain: &[R; 6], factor: R) -> [R; 6] {
+        let LameParameters { lambda, mu } = self.lame;
+        let volumetric = (strain[0] + strain[1] + strain[2]) * lambda;
+        let mut stress = *strain;
+        for i in 0..3 {
+            stress[i] = (volumetric + strain[i] * (2.0 * mu)) * factor;
+            stress[i + 3] = strain[i + 3] * mu * factor;
+        }
+        if PLANE_STRESS {
+            stress[2] = R::splat(0.0);
+        }
+        stress
+    }
+
+    /// Stresses of points in step.
+    #[inline(always)]
+    fn stress_in_step(&self, group: &Group) -> [Lanes<WIDTH>; 6] {
+        self.hooke(&group.strain, Lanes::splat(1.0) / adjugate(&group.gradient).1)
+    }
 }
 
 impl<const PLANE_STRESS: bool> ConstitutiveLaw for Hypoelastic<PLANE_STRESS> {
@@ -31,29 +56,18 @@ impl<const PLANE_STRESS: bool> ConstitutiveLaw for Hypoelastic<PLANE_STRESS> {
     const HELP: &'static str = "Hooke's law with an accumulated strain (Jaumann rate), for explicit solvers";
     const VARIABLES: &'static [MaterialVariable] = &[DENSITY, YOUNG_MODULUS, POISSON_RATIO];
     const USES_STRAIN: bool = true;
+    const IN_STEP: Option<fn(&Self, &Group) -> [Lanes<WIDTH>; 6]> = Some(Self::stress_in_step);
     type State = ();
 
     fn new(material: &Material) -> Result<Self, Fault> {
         Ok(Self::from_lame(LameParameters::of(material)?))
     }
 
-    #[inline]
     fn stress(&self, deformation: &Deformation, _: &mut ()) -> Result<Voigt, LawError> {
         let Some(strain) = deformation.strain else {
             return Err(LawError::Unsuitable { problem: "needs an accumulated strain", advice: "run it explicitly" });
         };
-        let LameParameters { lambda, mu } = self.lame;
-        let inverse = 1.0 / volume_ratio(&deformation.gradient)?;
-        let volumetric = lambda * (strain[0] + strain[1] + strain[2]);
-        let mut stress = [0.0; 6];
-        for i in 0..3 {
-            stress[i] = (volumetric + 2.0 * mu * strain[i]) * inverse;
-            stress[i + 3] = mu * strain[i + 3] * inverse;
-        }
-        if PLANE_STRESS {
-            stress[2] = 0.0;
-        }
-        Ok(stress)
+        Ok(self.hooke(&strain, 1.0 / volume_ratio(&deformation.gradient)?))
     }
 
     fn stress_and_tangent(&self, _: &Deformation, _: &mut ()) -> Result<(Voigt, Tangent), LawError> {

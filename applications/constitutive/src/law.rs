@@ -1,10 +1,23 @@
 //! The two faces of a law: [`ConstitutiveLaw`], what its author writes for one point, and [`Law`],
 //! what elements call for a batch of points.
 
+use bia_kernel::lanes::Lanes;
 use bytemuck::{Pod, Zeroable};
 use nalgebra::Matrix3;
 
-use crate::{Fault, LawError, Material, MaterialVariable, Tangent, Voigt};
+use crate::{Fault, LawError, Material, MaterialVariable, Tangent, Voigt, tensor::Tensor};
+
+/// Points that a law answers for in step.
+pub const WIDTH: usize = 8;
+
+/// What a law may know about points in step, one in each lane.
+#[derive(Debug, Clone, Copy)]
+pub struct Group {
+    /// [`Deformation::gradient`]s.
+    pub gradient: Tensor<Lanes<WIDTH>>,
+    /// [`Deformation::strain`]s; zero for laws that take none.
+    pub strain: [Lanes<WIDTH>; 6],
+}
 
 /// What a law may know about the motion of a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -83,6 +96,10 @@ pub trait ConstitutiveLaw: Sized + Send + Sync + 'static {
     /// Speed of the fastest small wave in the undeformed material (m/s); `density` in kg/m³.
     fn wave_speed(&self, density: f64) -> f64;
 
+    /// [`stress`](Self::stress) of points in step, for laws without history whose stress depends on
+    /// the gradient and strain alone; not a number where the law has no answer.
+    const IN_STEP: Option<fn(&Self, &Group) -> [Lanes<WIDTH>; 6]> = None;
+
     /// Strain energy per reference volume (J/m³), where the law has one.
     fn energy(&self, _deformation: &Deformation) -> Option<f64> {
         None
@@ -155,6 +172,13 @@ pub trait Law: Send + Sync {
         states: &mut [f64],
         out: &mut [Voigt],
     ) -> Result<(), (usize, LawError)>;
+
+    /// Stresses of groups of points; false, with `out` as it was, if the law answers point by point
+    /// only. Where it has no answer the stress is not a number: [`stresses`](Self::stresses) says why.
+    ///
+    /// # Panics
+    /// The lengths of the slices do not agree.
+    fn stresses_in_step(&self, groups: &[Group], out: &mut [[Lanes<WIDTH>; 6]]) -> bool;
 
     /// See [`ConstitutiveLaw::USES_STRAIN`].
     fn uses_strain(&self) -> bool;
@@ -246,6 +270,18 @@ impl<L: ConstitutiveLaw> Law for L {
             }
         }
         Ok(())
+    }
+
+    fn stresses_in_step(&self, groups: &[Group], out: &mut [[Lanes<WIDTH>; 6]]) -> bool {
+        assert_eq!(groups.len(), out.len(), "one answer per group");
+        let Some(stress) = L::IN_STEP else { return false };
+        // In the machine's widest vectors: inlined into the closure, the formula is compiled for them.
+        pulp::Arch::new().dispatch(|| {
+            for (group, out) in groups.iter().zip(out) {
+                *out = stress(self, group);
+            }
+        });
+        true
     }
 
     fn uses_strain(&self) -> bool {

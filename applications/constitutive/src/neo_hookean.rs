@@ -6,14 +6,15 @@
 //!
 //! Source: Bonet and Wood, Nonlinear Continuum Mechanics for Finite Element Analysis, §6.4.3.
 
+use bia_kernel::lanes::{Lanes, Real};
 use nalgebra::Matrix3;
 
 use crate::{
-    ConstitutiveLaw, DENSITY, Deformation, Fault, Kinematics, LameParameters, LawEntry, LawError, Material,
-    MaterialVariable, POISSON_RATIO, PlaneStress, Tangent, Voigt, YOUNG_MODULUS,
+    ConstitutiveLaw, DENSITY, Deformation, Fault, Group, Kinematics, LameParameters, LawEntry, LawError, Material,
+    MaterialVariable, POISSON_RATIO, PlaneStress, Tangent, Voigt, WIDTH, YOUNG_MODULUS,
     tensor::{
-        almansi_strain, displacement_gradient, isotropic_tangent, log_volume_ratio, strain_to_voigt, stress_to_voigt,
-        volume_ratio,
+        Tensor, VOIGT_PAIRS, almansi_strain, displacement_gradient, isotropic_tangent, strain_to_voigt, tensor_of,
+        volume_change, volume_ratio,
     },
 };
 
@@ -23,30 +24,52 @@ pub struct NeoHookean {
     lame: LameParameters,
 }
 
-/// b − I = H + Hᵀ + H Hᵀ, H = F − I.
-fn left_cauchy_green_minus_identity(f: &Matrix3<f64>) -> Matrix3<f64> {
-    let h = displacement_gradient(f);
-    h + h.transpose() + h * h.transpose()
-}
-
 impl NeoHookean {
     /// From Lamé's parameters.
     pub fn from_lame(lame: LameParameters) -> Self {
         Self { lame }
     }
 
+    /// Kirchhoff stress, J − 1 and ln J.
+    #[inline(always)]
+    fn kirchhoff<R: Real>(&self, f: &Tensor<R>) -> ([R; 6], R, R) {
+        let LameParameters { lambda, mu } = self.lame;
+        let mut h = *f;
+        for a in 0..3 {
+            h[a][a] -= R::splat(1.0);
+        }
+        let change = volume_change(&h);
+        let log_jacobian = change.ln_1p();
+        let mut stress = [change; 6];
+        for k in 0..6 {
+            // b − I = H + Hᵀ + H Hᵀ.
+            let (a, b) = VOIGT_PAIRS[k];
+            let stretch = h[a][b] + h[b][a] + (h[a][0] * h[b][0] + h[a][1] * h[b][1] + h[a][2] * h[b][2]);
+            stress[k] = stretch * mu;
+        }
+        for k in 0..3 {
+            stress[k] += log_jacobian * lambda;
+        }
+        (stress, change, log_jacobian)
+    }
+
+    /// Cauchy stresses of points in step.
+    #[inline(always)]
+    fn stress_in_step(&self, group: &Group) -> [Lanes<WIDTH>; 6] {
+        let (mut stress, change, _) = self.kirchhoff(&group.gradient);
+        let inverse = Lanes::splat(1.0) / (change + 1.0);
+        for k in 0..6 {
+            stress[k] *= inverse;
+        }
+        stress
+    }
+
     /// Cauchy stress, J and ln J.
     #[inline]
     fn evaluate(&self, f: &Matrix3<f64>) -> Result<(Voigt, f64, f64), LawError> {
-        let LameParameters { lambda, mu } = self.lame;
         let jacobian = volume_ratio(f)?;
-        let log_jacobian = log_volume_ratio(f, jacobian);
-        let mut stress =
-            stress_to_voigt(&left_cauchy_green_minus_identity(f)).map(|component| mu * component / jacobian);
-        for normal in &mut stress[..3] {
-            *normal += lambda * log_jacobian / jacobian;
-        }
-        Ok((stress, jacobian, log_jacobian))
+        let (stress, _, log_jacobian) = self.kirchhoff(&tensor_of(f));
+        Ok((stress.map(|component| component / jacobian), jacobian, log_jacobian))
     }
 }
 
@@ -55,6 +78,7 @@ impl ConstitutiveLaw for NeoHookean {
     const HELP: &'static str =
         "Compressible neo-Hookean solid, W = μ/2 (tr b − 3) − μ ln J + λ/2 (ln J)² (Bonet and Wood, §6.4.3)";
     const VARIABLES: &'static [MaterialVariable] = &[DENSITY, YOUNG_MODULUS, POISSON_RATIO];
+    const IN_STEP: Option<fn(&Self, &Group) -> [Lanes<WIDTH>; 6]> = Some(Self::stress_in_step);
     type State = ();
 
     fn new(material: &Material) -> Result<Self, Fault> {
@@ -82,9 +106,10 @@ impl ConstitutiveLaw for NeoHookean {
 
     fn energy(&self, deformation: &Deformation) -> Option<f64> {
         let LameParameters { lambda, mu } = self.lame;
-        let f = &deformation.gradient;
-        let log_jacobian = log_volume_ratio(f, volume_ratio(f).ok()?);
-        let stretch = 0.5 * left_cauchy_green_minus_identity(f).trace() - log_jacobian;
+        volume_ratio(&deformation.gradient).ok()?;
+        let h = displacement_gradient(&deformation.gradient);
+        let log_jacobian = volume_change(&tensor_of(&h)).ln_1p();
+        let stretch = h.trace() + 0.5 * h.norm_squared() - log_jacobian;
         Some(mu * stretch + 0.5 * lambda * log_jacobian * log_jacobian)
     }
 }

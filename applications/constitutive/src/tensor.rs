@@ -5,9 +5,66 @@
 //! components, so that stress · strain is the contraction of the tensors and a tangent entry is the
 //! tensor component c_abcd itself.
 
+use bia_kernel::lanes::Real;
 use nalgebra::Matrix3;
 
 use crate::LawError;
+
+/// A 3×3 tensor of numbers or of lanes, row by row.
+pub type Tensor<R> = [[R; 3]; 3];
+
+/// The tensor of a matrix.
+#[inline(always)]
+pub fn tensor_of(m: &Matrix3<f64>) -> Tensor<f64> {
+    std::array::from_fn(|a| std::array::from_fn(|b| m[(a, b)]))
+}
+
+/// The identity.
+#[inline(always)]
+pub fn identity<R: Real>() -> Tensor<R> {
+    let (zero, one) = (R::splat(0.0), R::splat(1.0));
+    [[one, zero, zero], [zero, one, zero], [zero, zero, one]]
+}
+
+/// a b.
+#[inline(always)]
+pub fn product<R: Real>(a: &Tensor<R>, b: &Tensor<R>) -> Tensor<R> {
+    let mut out = *a;
+    for i in 0..3 {
+        for j in 0..3 {
+            out[i][j] = a[i][0] * b[0][j] + a[i][1] * b[1][j] + a[i][2] * b[2][j];
+        }
+    }
+    out
+}
+
+/// aᵀ.
+#[inline(always)]
+pub fn transpose<R: Real>(a: &Tensor<R>) -> Tensor<R> {
+    [[a[0][0], a[1][0], a[2][0]], [a[0][1], a[1][1], a[2][1]], [a[0][2], a[1][2], a[2][2]]]
+}
+
+/// Adjugate and determinant: a · adj a = det a · 1.
+#[inline(always)]
+pub fn adjugate<R: Real>(a: &Tensor<R>) -> (Tensor<R>, R) {
+    let mut out = *a;
+    for i in 0..3 {
+        let (i1, i2) = ((i + 1) % 3, (i + 2) % 3);
+        for j in 0..3 {
+            let (j1, j2) = ((j + 1) % 3, (j + 2) % 3);
+            out[j][i] = a[i1][j1] * a[i2][j2] - a[i1][j2] * a[i2][j1];
+        }
+    }
+    (out, a[0][0] * out[0][0] + a[0][1] * out[1][0] + a[0][2] * out[2][0])
+}
+
+/// det F − 1 = I₁ + I₂ + I₃ of H = F − I: keeps the digits that det F loses near 1.
+#[inline(always)]
+pub fn volume_change<R: Real>(h: &Tensor<R>) -> R {
+    let (adjugate, determinant) = adjugate(h);
+    let trace = h[0][0] + h[1][1] + h[2][2];
+    trace + (adjugate[2][2] + adjugate[0][0] + adjugate[1][1]) + determinant
+}
 
 /// Six components of a symmetric tensor.
 pub type Voigt = [f64; 6];

@@ -1,6 +1,7 @@
 //! The part of the grid that holds points: cells with their points, nodes with their dofs.
 
 use crate::points::{Block, MaterialPoints};
+use crate::space::Space;
 use bia_kernel::error::Failure;
 use bia_kernel::geometry::CellLocator;
 use bia_kernel::model::Cells;
@@ -65,7 +66,12 @@ impl ActiveCells {
 ///
 /// # Errors
 /// No point is left: then none is erased, so that the state can be saved.
-pub fn search(points: &mut MaterialPoints, locator: &CellLocator, erase: bool) -> Result<usize, Failure> {
+pub fn search(
+    points: &mut MaterialPoints,
+    locator: &CellLocator,
+    space: &Space,
+    erase: bool,
+) -> Result<usize, Failure> {
     let dimension = points.dimension();
     if let Some(failure) = all_outside(points, locator) {
         return Err(failure);
@@ -81,7 +87,10 @@ pub fn search(points: &mut MaterialPoints, locator: &CellLocator, erase: bool) -
             .map(|(point, &cell)| {
                 let row = position.row(point);
                 let x = std::array::from_fn(|i| row.get(i).copied().unwrap_or(0.0));
-                if cell == NO_CELL { None } else { locator.locate(x, Some(cell)) }
+                if cell == NO_CELL {
+                    return None;
+                }
+                locator.locate(x, Some(cell)).map(|(cell, xi)| (cell, space.local(cell as usize, x, xi)))
             })
             .collect();
         let mut keep = Vec::new();
@@ -89,7 +98,9 @@ pub fn search(points: &mut MaterialPoints, locator: &CellLocator, erase: bool) -
             match found {
                 Some((cell, xi)) => {
                     block.cell[point] = *cell;
-                    block.local.row_mut(point).copy_from_slice(&xi[..dimension]);
+                    if block.local.is_used() {
+                        block.local.row_mut(point).copy_from_slice(&xi[..dimension]);
+                    }
                 }
                 None if !block.position.row(point).iter().all(|x| x.is_finite()) => {
                     let advice = "a smaller time step, and look at the loads and material constants";

@@ -1,5 +1,7 @@
 //! The background grid as loops over its cells see it.
 
+use bia_kernel::geometry::{CellBasis, Hexahedron8, Line2, Quadrilateral4, Tetrahedron4, Triangle3};
+use bia_kernel::lanes::Lanes;
 use bia_kernel::model::ModelPart;
 use bia_kernel::solving::ActiveDofs;
 use bia_kernel::variables::Variable;
@@ -47,6 +49,52 @@ macro_rules! with_shape {
     };
 }
 pub(crate) use with_shape;
+
+/// The functions of a grid's cell.
+pub trait GridCell<const D: usize, const N: usize>: CellBasis<D, N> {
+    /// Those of a cell of the grid.
+    fn of(grid: &ModelPart, cell: usize) -> Self;
+
+    /// Which local coordinates lie in the cell; those that are no numbers do not.
+    fn holds<const W: usize>(xi: &[Lanes<W>; D], inside: &mut [bool; W]);
+}
+
+macro_rules! grid_cell {
+    ($shape:ident, $d:literal, $n:literal, $holds:ident) => {
+        impl GridCell<$d, $n> for $shape {
+            #[inline(always)]
+            fn of(_: &ModelPart, _: usize) -> Self {
+                $shape
+            }
+
+            #[inline(always)]
+            fn holds<const W: usize>(xi: &[Lanes<W>; $d], inside: &mut [bool; W]) {
+                $holds(xi, inside);
+            }
+        }
+    };
+}
+
+grid_cell!(Line2, 1, 2, cube_holds);
+grid_cell!(Triangle3, 2, 3, simplex_holds);
+grid_cell!(Quadrilateral4, 2, 4, cube_holds);
+grid_cell!(Tetrahedron4, 3, 4, simplex_holds);
+grid_cell!(Hexahedron8, 3, 8, cube_holds);
+
+#[inline(always)]
+fn cube_holds<const D: usize, const W: usize>(xi: &[Lanes<W>; D], inside: &mut [bool; W]) {
+    for l in 0..W {
+        inside[l] = xi.iter().all(|x| x.0[l].abs() <= 1.0);
+    }
+}
+
+#[inline(always)]
+fn simplex_holds<const D: usize, const W: usize>(xi: &[Lanes<W>; D], inside: &mut [bool; W]) {
+    for l in 0..W {
+        let sum: f64 = xi.iter().map(|x| x.0[l]).sum();
+        inside[l] = xi.iter().all(|x| x.0[l] >= 0.0) && sum <= 1.0;
+    }
+}
 
 /// Coordinates of a cell's nodes.
 #[inline]

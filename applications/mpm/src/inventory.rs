@@ -1,6 +1,6 @@
 //! What a scene consists of, and its state after a failure.
 
-use crate::active::{ActiveCells, active_dofs};
+use crate::active::ActiveCells;
 use crate::grid::GRID;
 use crate::points::across;
 use crate::points::fields::{append, total_energies};
@@ -24,6 +24,9 @@ impl Scene {
         };
         let locator = self.locator.as_ref().map_or(String::new(), |locator| format!(", {}", locator.describe()));
         line("grid", format!("{} nodes, {} cells{locator}", grid.nodes.len(), grid.elements.len()));
+        if let Some(summary) = self.space.summary() {
+            line("functions", summary);
+        }
         line("grid parts", grid.paths().join(", "));
         for (index, body) in points.bodies.iter().enumerate() {
             for block in points.blocks.iter().filter(|block| block.body == index) {
@@ -41,7 +44,7 @@ impl Scene {
         }
         let mut active = ActiveCells::default();
         active.gather(&points.blocks, grid.elements.len());
-        let dofs = active_dofs(&grid.elements, grid.nodes.len(), &active.cells, points.dimension());
+        let dofs = self.space.active_dofs(&active.cells, points.dimension());
         line("dofs at the start", format!("{} on {} active cells", dofs.order(), active.len()));
         let bytes: usize = points.blocks.iter().map(Block::bytes).sum();
         let each = bytes as f64 / points.len().max(1) as f64;

@@ -16,6 +16,7 @@ mod record;
 mod scene;
 mod settings;
 mod solvers;
+mod space;
 pub mod variables;
 
 use bia_kernel::registry::Registry;

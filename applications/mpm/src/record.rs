@@ -66,16 +66,18 @@ pub fn snapshot(model: &Model, out: &mut JsonObject) -> Result<()> {
 
 fn sums(points: &MaterialPoints) -> Value {
     let (mut mass, mut volume, mut momentum, mut moment) = (0.0, 0.0, [0.0; 3], [0.0; 3]);
+    let mut kinetic = 0.0;
+    // In the order of ids, so that the last digits do not depend on how the solver keeps the points.
     for block in &points.blocks {
-        for point in 0..block.len() {
+        for point in block.in_order_of_id().into_iter().map(|point| point as usize) {
             let m = block.mass.row(point)[0];
             mass += m;
             volume += block.volume.row(point).first().copied().unwrap_or(0.0);
+            kinetic += energies(block, point).kinetic;
             block.velocity.row(point).iter().zip(&mut momentum).for_each(|(v, sum)| *sum += m * v);
             block.position.row(point).iter().zip(&mut moment).for_each(|(x, sum)| *sum += m * x);
         }
     }
-    let kinetic: f64 = points.blocks.iter().map(|b| (0..b.len()).map(|p| energies(b, p).kinetic).sum::<f64>()).sum();
     json!({"mass": number(mass), "volume": number(volume), "momentum": momentum.map(number),
            "com": moment.map(|x| number(x / mass)), "kinetic_from_mp": number(kinetic)})
 }

@@ -6,7 +6,8 @@ use crate::grid::GRID;
 use crate::points::MaterialPoints;
 use crate::points::conditions::{self, PointConditions, Requests};
 use crate::points::{Columns, Plan, fields, generate};
-use crate::settings::{Regime, SolverSettings};
+use crate::settings::{Frame, Regime, SolverSettings};
+use crate::space::Space;
 use bia_constitutive::{BodyMaterial, Catalogue};
 use bia_kernel::diagnostic::{Diagnostic, InputErrors, Place};
 use bia_kernel::error::{Error, Failure};
@@ -40,6 +41,8 @@ pub struct Scene {
     pub materials: Vec<BodyMaterial>,
     /// Search on the grid, once it is there.
     pub locator: Option<CellLocator>,
+    /// The grid's functions, once it is there.
+    pub space: Space,
     catalogue: Catalogue,
     told_loss: bool,
 }
@@ -48,7 +51,8 @@ impl Scene {
     /// A scene without meshes.
     pub fn new(settings: SolverSettings, options: RunOptions) -> Self {
         let catalogue = Catalogue::default();
-        Self { settings, options, materials: Vec::new(), locator: None, catalogue, told_loss: false }
+        let space = Space::default();
+        Self { settings, options, materials: Vec::new(), locator: None, space, catalogue, told_loss: false }
     }
 
     /// Reads meshes and materials.
@@ -90,7 +94,12 @@ impl Scene {
         needed: Columns,
     ) -> Result<bool, InputErrors> {
         let initial = format!("Initial_{}", self.settings.part);
-        let columns = needed.or(self.columns(requirements)?);
+        let mut columns = needed.or(self.columns(requirements)?);
+        if self.settings.explicit.is_none() {
+            // Implicit steps advance both together.
+            let moves = columns.velocity || columns.acceleration;
+            (columns.velocity, columns.acceleration) = (moves, moves);
+        }
         let requests = model.extension::<Requests>().cloned().unwrap_or_default();
         let (Some(grid), Some(bodies)) = (model.part(GRID), model.part(&initial)) else {
             return Ok(true);
@@ -101,6 +110,7 @@ impl Scene {
             let message = format!("is {dimension}, but grid element {id} is a {name}");
             return Err(self.settings.settings.error("domain_size", message).into());
         }
+        let space = Space::new(grid, &self.settings.discretisation, &self.settings.settings)?;
         let locator = CellLocator::new(grid, self.settings.search_tolerance);
         let kinematics = self.settings.kinematics();
         let plan = Plan {
@@ -111,6 +121,7 @@ impl Scene {
             locator: &locator,
             kinematics,
             dynamic: self.settings.regime == Regime::Dynamic,
+            placement: self.settings.discretisation.placement,
             columns,
             kratos_exact: self.options.kratos_exact,
             explicit: self.settings.explicit.is_some(),
@@ -120,9 +131,12 @@ impl Scene {
         let mut points = generate(&plan)?;
         let elements = grid.elements.len() + bodies.elements.len() + points.len();
         points.conditions = conditions::generate(grid, &requests, &locator, elements)?;
+        if !space.is_mesh() {
+            localise(&mut points, &space);
+        }
         let symmetric = points.blocks.iter().all(|block| block.law.is_symmetric());
         tracing::debug!("{}", locator.describe());
-        self.locator = Some(locator);
+        (self.locator, self.space) = (Some(locator), space);
         model.extend(points);
         Ok(symmetric)
     }
@@ -161,26 +175,33 @@ impl Scene {
         errors.or(columns)
     }
 
-    /// Finds the cells of points and material-point conditions.
+    /// Finds the cells of points and material-point conditions; they keep them for ever where
+    /// functions are evaluated at their first positions.
     ///
     /// # Errors
     /// All points, or a condition, have left the grid.
     pub fn search(&mut self, points: &mut MaterialPoints) -> Result<(), Error> {
-        let Some(locator) = &self.locator else { return Ok(()) };
-        let lost = search(points, locator, self.settings.erase_lost)?;
+        let Some(locator) = self.locator.as_ref().filter(|_| self.settings.discretisation.frame == Frame::Updated)
+        else {
+            return Ok(());
+        };
+        let lost = search(points, locator, &self.space, self.settings.erase_lost)?;
         if lost > 0 && !self.told_loss {
             tracing::warn!("{lost} material points left the grid and were erased; any more are counted at the end");
             self.told_loss = true;
         }
         let conditions = &mut points.conditions;
         for i in 0..conditions.len() {
-            match locator.locate(conditions.position[i], Some(conditions.cell[i])) {
-                Some((cell, xi)) => (conditions.cell[i], conditions.local[i]) = (cell, xi),
+            let x = conditions.position[i];
+            match locator.locate(x, Some(conditions.cell[i])) {
+                Some((cell, xi)) => {
+                    (conditions.cell[i], conditions.local[i]) = (cell, self.space.local(cell as usize, x, xi));
+                }
                 None => {
                     let advice = "a larger grid";
                     let failure = Failure::new("a material-point condition has left the grid", advice);
                     let name = format!("material-point condition {}", conditions.ids[i]);
-                    return Err(failure.at(name, conditions.position[i]).into());
+                    return Err(failure.at(name, x).into());
                 }
             }
         }
@@ -206,23 +227,37 @@ pub fn with_points<T>(
     result
 }
 
+/// Gives points and conditions the local coordinates of functions that are not the mesh's.
+fn localise(points: &mut MaterialPoints, space: &Space) {
+    let dimension = points.dimension();
+    for block in &mut points.blocks {
+        for point in 0..block.len() {
+            let xi = space.local(block.cell[point] as usize, block.coordinates(point), [0.0; 3]);
+            block.local.row_mut(point).copy_from_slice(&xi[..dimension]);
+        }
+    }
+    let conditions = &mut points.conditions;
+    for i in 0..conditions.len() {
+        conditions.local[i] = space.local(conditions.cell[i] as usize, conditions.position[i], [0.0; 3]);
+    }
+}
+
 /// Carries material-point conditions with the grid; `least` as in
 /// the field of this name of the implicit solver.
 pub fn move_conditions(
     conditions: &mut PointConditions,
-    grid: &ModelPart,
+    space: &Space,
     dofs: &ActiveDofs,
     [increments, velocities]: [&[f64]; 2],
     least: Option<f64>,
 ) {
     let block = dofs.block();
+    let mut functions = Vec::new();
     for i in 0..conditions.len() {
         let cell = conditions.cell[i] as usize;
-        let shape = grid.elements.shapes[cell];
-        let mut functions = [0.0; 8];
-        shape.functions(conditions.local[i], &mut functions[..shape.node_count()]);
+        space.evaluate(cell, conditions.local[i], &mut functions);
         conditions.velocity[i] = [0.0; 3];
-        for (&node, n) in grid.elements.nodes_of(cell).iter().zip(functions) {
+        for (&node, &n) in space.nodes_of(cell).iter().zip(&functions) {
             let Some(number) = dofs.number(node).filter(|_| least.is_none_or(|least| n > least)) else { continue };
             for a in 0..block {
                 conditions.position[i][a] += n * increments[number * block + a];

@@ -6,11 +6,12 @@ use crate::variables::VOLUME_ACCELERATION;
 use bia_constitutive::{Kinematics, Want};
 use bia_kernel::error::{Error, Failure};
 use bia_kernel::model::ModelPart;
-use bia_kernel::solving::loads::ConditionLoads;
+use bia_kernel::solving::loads::{linear_rule, visit_loads};
 use bia_kernel::solving::ordered::in_order;
 use bia_kernel::solving::scheme::Coefficients;
 use bia_kernel::solving::{ActiveDofs, CellBuffer, NonlinearSystem, System};
 use bia_kernel::with_shape;
+use std::f64::consts::TAU;
 
 /// The body in a step, all vectors over the dofs.
 #[derive(Clone, Copy)]
@@ -137,8 +138,14 @@ impl Step<'_> {
     pub fn external(&self) -> Result<Vec<f64>, Failure> {
         let mut forces = vec![0.0; self.dofs.order()];
         let axisymmetric = self.body.materials.iter().any(|m| m.built.kinematics == Kinematics::Axisymmetric);
-        let loads = ConditionLoads { part: self.part, axisymmetric };
-        (0..self.part.conditions.len()).for_each(|condition| loads.add(condition, self.dofs, &[], &mut forces));
+        for condition in 0..self.part.conditions.len() {
+            visit_loads(self.part, condition, linear_rule, &mut |at| {
+                let ring = if axisymmetric { TAU * at.position[0] } else { 1.0 };
+                for (&node, n) in at.nodes.iter().zip(at.functions) {
+                    self.dofs.add_force(node, n * at.weight * ring, at.load, &mut forces);
+                }
+            });
+        }
         if let Some(acceleration) = self.part.node_fields.vector(&VOLUME_ACCELERATION) {
             self.add_mass_times(|node| acceleration[node as usize], &mut forces)?;
         }

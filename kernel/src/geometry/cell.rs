@@ -1,6 +1,7 @@
 //! Shapes as types: functions and gradients on the stack, of a size known to the compiler.
 
 use super::Shape;
+use crate::lanes::Real;
 use std::array::from_fn;
 
 /// A shape with `D` local coordinates and `N` nodes.
@@ -8,9 +9,29 @@ pub trait CellShape<const D: usize, const N: usize>: Copy + Send + Sync + 'stati
     /// The same shape as a value.
     const SHAPE: Shape;
     /// Shape functions N_a(ξ).
-    fn functions(xi: &[f64; D]) -> [f64; N];
+    fn functions<R: Real>(xi: &[R; D]) -> [R; N];
     /// Local gradients ∂N_a/∂ξ_j as `[a][j]`.
-    fn gradients(xi: &[f64; D]) -> [[f64; D]; N];
+    fn gradients<R: Real>(xi: &[R; D]) -> [[R; D]; N];
+}
+
+/// Functions of one cell: those of its shape, or others that may differ from cell to cell.
+pub trait CellBasis<const D: usize, const N: usize>: Copy + Send + Sync {
+    /// Functions N_a(ξ).
+    fn functions<R: Real>(&self, xi: &[R; D]) -> [R; N];
+    /// Local gradients ∂N_a/∂ξ_j as `[a][j]`.
+    fn gradients<R: Real>(&self, xi: &[R; D]) -> [[R; D]; N];
+}
+
+impl<S: CellShape<D, N>, const D: usize, const N: usize> CellBasis<D, N> for S {
+    #[inline(always)]
+    fn functions<R: Real>(&self, xi: &[R; D]) -> [R; N] {
+        <S as CellShape<D, N>>::functions(xi)
+    }
+
+    #[inline(always)]
+    fn gradients<R: Real>(&self, xi: &[R; D]) -> [[R; D]; N] {
+        <S as CellShape<D, N>>::gradients(xi)
+    }
 }
 
 /// Line of two nodes.
@@ -58,79 +79,96 @@ macro_rules! with_shape {
 impl CellShape<1, 2> for Line2 {
     const SHAPE: Shape = Shape::Line2;
 
-    #[inline]
-    fn functions(&[x]: &[f64; 1]) -> [f64; 2] {
-        [0.5 * (1.0 - x), 0.5 * (1.0 + x)]
+    #[inline(always)]
+    fn functions<R: Real>(&[x]: &[R; 1]) -> [R; 2] {
+        let one = R::splat(1.0);
+        [(one - x) * 0.5, (one + x) * 0.5]
     }
 
-    #[inline]
-    fn gradients(_: &[f64; 1]) -> [[f64; 1]; 2] {
-        [[-0.5], [0.5]]
+    #[inline(always)]
+    fn gradients<R: Real>(_: &[R; 1]) -> [[R; 1]; 2] {
+        [[R::splat(-0.5)], [R::splat(0.5)]]
     }
 }
 
 impl CellShape<2, 3> for Triangle3 {
     const SHAPE: Shape = Shape::Triangle3;
 
-    #[inline]
-    fn functions(&[x, y]: &[f64; 2]) -> [f64; 3] {
-        [1.0 - x - y, x, y]
+    #[inline(always)]
+    fn functions<R: Real>(&[x, y]: &[R; 2]) -> [R; 3] {
+        [R::splat(1.0) - x - y, x, y]
     }
 
-    #[inline]
-    fn gradients(_: &[f64; 2]) -> [[f64; 2]; 3] {
-        [[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]]
+    #[inline(always)]
+    fn gradients<R: Real>(_: &[R; 2]) -> [[R; 2]; 3] {
+        let (one, zero) = (R::splat(1.0), R::splat(0.0));
+        [[-one, -one], [one, zero], [zero, one]]
     }
 }
 
 impl CellShape<2, 4> for Quadrilateral4 {
     const SHAPE: Shape = Shape::Quadrilateral4;
 
-    #[inline]
-    fn functions(&[x, y]: &[f64; 2]) -> [f64; 4] {
-        let ([x0, x1], [y0, y1]) = (Line2::functions(&[x]), Line2::functions(&[y]));
+    #[inline(always)]
+    fn functions<R: Real>(&[x, y]: &[R; 2]) -> [R; 4] {
+        let ([x0, x1], [y0, y1]) = (line(x), line(y));
         [x0 * y0, x1 * y0, x1 * y1, x0 * y1]
     }
 
-    #[inline]
-    fn gradients(&[x, y]: &[f64; 2]) -> [[f64; 2]; 4] {
-        let (x, y) = (Line2::functions(&[x]).map(|n| 0.5 * n), Line2::functions(&[y]).map(|n| 0.5 * n));
-        [[-y[0], -x[0]], [y[0], -x[1]], [y[1], x[1]], [-y[1], x[0]]]
+    #[inline(always)]
+    fn gradients<R: Real>(&[x, y]: &[R; 2]) -> [[R; 2]; 4] {
+        let ([x0, x1], [y0, y1]) = (line(x), line(y));
+        let (x0, x1, y0, y1) = (x0 * 0.5, x1 * 0.5, y0 * 0.5, y1 * 0.5);
+        [[-y0, -x0], [y0, -x1], [y1, x1], [-y1, x0]]
     }
 }
 
 impl CellShape<3, 4> for Tetrahedron4 {
     const SHAPE: Shape = Shape::Tetrahedron4;
 
-    #[inline]
-    fn functions(&[x, y, z]: &[f64; 3]) -> [f64; 4] {
-        [1.0 - x - y - z, x, y, z]
+    #[inline(always)]
+    fn functions<R: Real>(&[x, y, z]: &[R; 3]) -> [R; 4] {
+        [R::splat(1.0) - x - y - z, x, y, z]
     }
 
-    #[inline]
-    fn gradients(_: &[f64; 3]) -> [[f64; 3]; 4] {
-        [[-1.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+    #[inline(always)]
+    fn gradients<R: Real>(_: &[R; 3]) -> [[R; 3]; 4] {
+        let (one, zero) = (R::splat(1.0), R::splat(0.0));
+        [[-one; 3], [one, zero, zero], [zero, one, zero], [zero, zero, one]]
     }
 }
 
 impl CellShape<3, 8> for Hexahedron8 {
     const SHAPE: Shape = Shape::Hexahedron8;
 
-    #[inline]
-    fn functions(&[x, y, z]: &[f64; 3]) -> [f64; 8] {
-        let (base, z) = (Quadrilateral4::functions(&[x, y]), Line2::functions(&[z]));
-        from_fn(|a| base[a % 4] * z[a / 4])
+    #[inline(always)]
+    fn functions<R: Real>(&[x, y, z]: &[R; 3]) -> [R; 8] {
+        let base = <Quadrilateral4 as CellShape<2, 4>>::functions(&[x, y]);
+        let z = line(z);
+        let mut functions = [x; 8];
+        for a in 0..8 {
+            functions[a] = base[a % 4] * z[a / 4];
+        }
+        functions
     }
 
-    #[inline]
-    fn gradients(&[x, y, z]: &[f64; 3]) -> [[f64; 3]; 8] {
-        let (base, slope) = (Quadrilateral4::functions(&[x, y]), Quadrilateral4::gradients(&[x, y]));
-        let (z, dz) = (Line2::functions(&[z]), [-0.5, 0.5]);
-        from_fn(|a| {
+    #[inline(always)]
+    fn gradients<R: Real>(&[x, y, z]: &[R; 3]) -> [[R; 3]; 8] {
+        let base = <Quadrilateral4 as CellShape<2, 4>>::functions(&[x, y]);
+        let slope = <Quadrilateral4 as CellShape<2, 4>>::gradients(&[x, y]);
+        let (z, dz) = (line(z), [-0.5, 0.5]);
+        let mut gradients = [[x; 3]; 8];
+        for a in 0..8 {
             let (b, layer) = (a % 4, a / 4);
-            [slope[b][0] * z[layer], slope[b][1] * z[layer], base[b] * dz[layer]]
-        })
+            gradients[a] = [slope[b][0] * z[layer], slope[b][1] * z[layer], base[b] * dz[layer]];
+        }
+        gradients
     }
+}
+
+#[inline(always)]
+fn line<R: Real>(x: R) -> [R; 2] {
+    <Line2 as CellShape<1, 2>>::functions(&[x])
 }
 
 /// Physical gradients ∂N_a/∂x_i as `[a][i]` (1/m) at ξ for a cell with these corners, and det J.
@@ -140,12 +178,20 @@ pub fn physical_gradients<S: CellShape<D, N>, const D: usize, const N: usize>(
     corners: &[[f64; D]; N],
     xi: &[f64; D],
 ) -> ([[f64; D]; N], f64) {
-    let local = S::gradients(xi);
-    let (adjugate, determinant) = adjugate(&jacobian(corners, &local));
-    let mut gradients = [[0.0; D]; N];
+    transformed(corners, &<S as CellShape<D, N>>::gradients(xi))
+}
+
+/// The same from the local gradients.
+#[inline(always)]
+pub(super) fn transformed<R: Real, const D: usize, const N: usize>(
+    corners: &[[f64; D]; N],
+    local: &[[R; D]; N],
+) -> ([[R; D]; N], R) {
+    let (adjugate, determinant) = adjugate(&jacobian(corners, local));
+    let mut gradients = [[R::splat(0.0); D]; N];
     for a in 0..N {
         for i in 0..D {
-            let mut sum = 0.0;
+            let mut sum = R::splat(0.0);
             for j in 0..D {
                 sum += local[a][j] * adjugate[j][i];
             }
@@ -156,16 +202,16 @@ pub fn physical_gradients<S: CellShape<D, N>, const D: usize, const N: usize>(
 }
 
 /// J\[i\]\[j\] = Σ_a X_a\[i\] ∂N_a/∂ξ_j.
-#[inline]
-pub(super) fn jacobian<const D: usize, const N: usize>(
+#[inline(always)]
+pub(super) fn jacobian<R: Real, const D: usize, const N: usize>(
     corners: &[[f64; D]; N],
-    gradients: &[[f64; D]; N],
-) -> [[f64; D]; D] {
-    let mut jacobian = [[0.0; D]; D];
+    gradients: &[[R; D]; N],
+) -> [[R; D]; D] {
+    let mut jacobian = [[R::splat(0.0); D]; D];
     for a in 0..N {
         for i in 0..D {
             for j in 0..D {
-                jacobian[i][j] += corners[a][i] * gradients[a][j];
+                jacobian[i][j] += gradients[a][j] * corners[a][i];
             }
         }
     }
@@ -173,10 +219,10 @@ pub(super) fn jacobian<const D: usize, const N: usize>(
 }
 
 /// Adjugate and determinant of a matrix of at most 3 × 3: m · adj m = det m · 1.
-#[inline]
-pub(super) fn adjugate<const D: usize>(m: &[[f64; D]; D]) -> ([[f64; D]; D], f64) {
+#[inline(always)]
+pub(super) fn adjugate<R: Real, const D: usize>(m: &[[R; D]; D]) -> ([[R; D]; D], R) {
     const { assert!(D >= 1 && D <= 3) };
-    let mut adjugate = [[1.0; D]; D];
+    let mut adjugate = [[R::splat(1.0); D]; D];
     if D == 2 {
         adjugate[0] = from_fn(|j| [m[1][1], -m[0][1]][j]);
         adjugate[1] = from_fn(|j| [-m[1][0], m[0][0]][j]);
@@ -189,7 +235,7 @@ pub(super) fn adjugate<const D: usize>(m: &[[f64; D]; D]) -> ([[f64; D]; D], f64
             }
         }
     }
-    let mut determinant = 0.0;
+    let mut determinant = R::splat(0.0);
     for j in 0..D {
         determinant += m[0][j] * adjugate[j][0];
     }

@@ -1,7 +1,7 @@
 //! The search for the cell that holds a point.
 
 use super::bins::Bins;
-use super::regular::Regular;
+use super::regular::RegularGrid;
 use super::search_mesh::SearchMesh;
 use crate::model::ModelPart;
 
@@ -19,7 +19,7 @@ pub struct CellLocator {
 
 #[derive(Debug, Clone)]
 enum Search {
-    Regular(Regular),
+    Regular(RegularGrid),
     General {
         /// Where each node's list of cells starts, one more entry than nodes.
         starts: Vec<u32>,
@@ -34,9 +34,9 @@ impl CellLocator {
     /// coordinates, as in [`Shape::contains`](super::Shape::contains).
     pub fn new(part: &ModelPart, tolerance: f64) -> Self {
         let mesh = SearchMesh::new(part, &part.elements, tolerance);
-        match Regular::new(&mesh) {
-            Some(regular) => Self { mesh, search: Search::Regular(regular) },
-            None => Self::general(part, mesh),
+        match RegularGrid::of(&mesh) {
+            Ok(regular) => Self { mesh, search: Search::Regular(regular) },
+            Err(_) => Self::general(part, mesh),
         }
     }
 

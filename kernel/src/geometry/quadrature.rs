@@ -65,6 +65,70 @@ pub fn rule(shape: Shape, count: usize) -> Result<Vec<QuadraturePoint>, Unsuppor
     })
 }
 
+/// A shape cannot be cut into this number of equal parts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("a {} has no {count} equal parts: choose {}", shape.name(), even_choices(*shape))]
+pub struct UnevenCount {
+    /// The shape.
+    pub shape: Shape,
+    /// The number of parts asked for.
+    pub count: usize,
+}
+
+/// Numbers of parts that [`even_rule`] takes, in words.
+pub fn even_choices(shape: Shape) -> &'static str {
+    match shape {
+        Shape::Point1 => "1",
+        Shape::Line2 => "any number from 1 on",
+        Shape::Triangle3 | Shape::Quadrilateral4 => "a square number: 1, 4, 9, 16, 25, and so on",
+        Shape::Tetrahedron4 => "Gauss points, for which it has 1, 4, 8, 14 or 24",
+        Shape::Hexahedron8 => "a cubic number: 1, 8, 27, 64, 125, and so on",
+    }
+}
+
+/// The centres of `count` equal parts of a shape, each with an equal weight; ξ runs fastest.
+///
+/// Lines, quadrilaterals and hexahedra are cut n times along each coordinate, triangles into n²
+/// similar ones. A sum over the points is exact for linear functions, and no more.
+///
+/// # Errors
+/// A count that is no power of a whole n; tetrahedra, which are not made of similar ones.
+pub fn even_rule(shape: Shape, count: usize) -> Result<Vec<QuadraturePoint>, UnevenCount> {
+    let dimension = shape.dimension();
+    let n = match dimension {
+        0 => 1,
+        1 => count,
+        2 => count.isqrt(),
+        _ => (count as f64).cbrt().round() as usize,
+    };
+    let fits = n > 0 && n.checked_pow(dimension as u32) == Some(count);
+    if !fits || shape == Shape::Tetrahedron4 {
+        return Err(UnevenCount { shape, count });
+    }
+    let weight = shape.reference_measure() / count as f64;
+    if shape == Shape::Triangle3 {
+        return Ok(triangle_parts(n).map(|xi| point(xi, weight)).collect());
+    }
+    // Middles of n intervals of [−1, 1], so that those of both halves mirror each other.
+    let middle = |i: usize| (2 * i + 1) as f64 / n as f64 - 1.0;
+    let place = |index: usize| {
+        let along = |axis: usize| if axis < dimension { middle(index / n.pow(axis as u32) % n) } else { 0.0 };
+        [along(0), along(1), along(2)]
+    };
+    Ok((0..count).map(|index| point(place(index), weight)).collect())
+}
+
+/// Centroids of the n² similar triangles of a triangle, row by row: those that stand as the whole
+/// does, each but the last of a row followed by the one turned upside down.
+fn triangle_parts(n: usize) -> impl Iterator<Item = [f64; 3]> {
+    let cells = (0..n).flat_map(move |j| (0..n - j).map(move |i| (i, j)));
+    cells.flat_map(move |(i, j)| {
+        let at = |third: f64| [(i as f64 + third) / n as f64, (j as f64 + third) / n as f64, 0.0];
+        let turned = (i + j + 1 < n).then(|| at(2.0 / 3.0));
+        std::iter::once(at(1.0 / 3.0)).chain(turned)
+    })
+}
+
 fn point(xi: [f64; 3], weight: f64) -> QuadraturePoint {
     QuadraturePoint { xi, weight }
 }

@@ -1,6 +1,8 @@
-//! Regular grids: candidates by arithmetic instead of lists.
+//! Regular grids: tensor products of intervals, in which cells are found by arithmetic.
 
 use super::search_mesh::{LATTICE, SearchMesh};
+use crate::model::ModelPart;
+use std::array::from_fn;
 
 /// Place in the table without a cell.
 const NONE: u32 = u32::MAX;
@@ -23,37 +25,173 @@ struct Axis {
 
 /// A tensor-product grid of axis-aligned cells, perhaps with holes.
 #[derive(Debug, Clone)]
-pub(super) struct Regular {
+pub struct RegularGrid {
     axes: Vec<Axis>,
     /// Cell at each place, first axis fastest.
     table: Vec<u32>,
+    /// Place of each cell in the table.
+    places: Vec<u32>,
     /// Share of a cell's size by which a point may lie outside of it.
     margin: f64,
 }
 
-impl Regular {
-    /// None if the cells are no regular grid. The numbering of nodes and cells and the local
-    /// orientation of each cell do not matter.
-    pub fn new(mesh: &SearchMesh) -> Option<Self> {
-        if !mesh.all_aligned || mesh.len() == 0 {
-            return None;
+/// Why a mesh is no regular grid. Cells are named by their ids.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum Irregular {
+    /// There is no cell.
+    #[error("it has no cells")]
+    Empty,
+    /// A cell that is no axis-aligned box of the mesh's dimension.
+    #[error("cell {0} is no line, rectangle or box along the axes")]
+    Skew(u32),
+    /// A cell whose faces are not on consecutive grid lines.
+    #[error("a node of other cells lies inside the extent of cell {0}")]
+    Hanging(u32),
+    /// Two cells at one place.
+    #[error("cells {0} and {1} lie on top of each other")]
+    Overlap(u32, u32),
+    /// Two nodes at one place, which separate cells that a basis on the grid would join.
+    #[error("nodes {0} and {1} are at the same place")]
+    Slit(u32, u32),
+    /// Spacings that differ too much for the tolerance of the search.
+    #[error("its spacings along an axis differ by too much")]
+    Graded,
+    /// Mostly holes.
+    #[error("{places} places of its grid lines hold {cells} cells only")]
+    Sparse {
+        /// Number of places.
+        places: usize,
+        /// Number of cells.
+        cells: usize,
+    },
+}
+
+impl RegularGrid {
+    /// Recognises the elements of a part as a regular grid. The numbering of nodes and cells and
+    /// the local orientation of each cell do not matter, and places may be empty.
+    ///
+    /// # Errors
+    /// It is none.
+    pub fn new(part: &ModelPart) -> Result<Self, Irregular> {
+        let mesh = SearchMesh::new(part, &part.elements, 0.0);
+        let id = |cell: u32| part.elements.ids[cell as usize];
+        Self::of(&mesh).map_err(|reason| match reason {
+            Irregular::Skew(cell) => Irregular::Skew(id(cell)),
+            Irregular::Hanging(cell) => Irregular::Hanging(id(cell)),
+            Irregular::Overlap(a, b) => Irregular::Overlap(id(a), id(b)),
+            other => other,
+        })
+    }
+
+    /// As above, with indices of cells instead of their ids in the error.
+    pub(super) fn of(mesh: &SearchMesh) -> Result<Self, Irregular> {
+        if mesh.len() == 0 || mesh.dimension == 0 {
+            return Err(Irregular::Empty);
+        }
+        if let Some(cell) = mesh.skew {
+            return Err(Irregular::Skew(cell));
         }
         // Half of the tolerance, as the local cell is 2 wide; and what coordinates deviate.
         let margin = 0.5 * mesh.tolerance + 10.0 * LATTICE;
-        let axes: Vec<Axis> = (0..mesh.dimension).map(|i| Axis::new(mesh, i, margin)).collect::<Option<_>>()?;
+        let axes: Option<Vec<Axis>> = (0..mesh.dimension).map(|i| Axis::new(mesh, i, margin)).collect();
+        let axes = axes.ok_or(Irregular::Graded)?;
         let places = axes.iter().fold(1usize, |product, axis| product.saturating_mul(axis.len()));
         if places > PLACES_PER_CELL.saturating_mul(mesh.len()).saturating_add(4096) {
-            return None;
+            return Err(Irregular::Sparse { places, cells: mesh.len() });
         }
-        let mut regular = Self { axes, table: vec![NONE; places], margin };
+        let mut regular = Self { axes, table: vec![NONE; places], places: Vec::with_capacity(mesh.len()), margin };
         for cell in 0..mesh.len() {
-            let place = regular.place_of(mesh, cell)?;
+            let place = regular.place_of(mesh, cell).ok_or(Irregular::Hanging(cell as u32))?;
             if regular.table[place] != NONE {
-                return None;
+                return Err(Irregular::Overlap(regular.table[place], cell as u32));
             }
             regular.table[place] = cell as u32;
+            regular.places.push(place as u32);
         }
-        Some(regular)
+        Ok(regular)
+    }
+
+    /// Number of axes.
+    pub fn dimension(&self) -> usize {
+        self.axes.len()
+    }
+
+    /// Number of cells.
+    pub fn len(&self) -> usize {
+        self.places.len()
+    }
+
+    /// Never: a grid has cells.
+    pub fn is_empty(&self) -> bool {
+        self.places.is_empty()
+    }
+
+    /// Places of the grid lines along an axis in m, ascending.
+    pub fn lines(&self, axis: usize) -> &[f64] {
+        &self.axes[axis].lines
+    }
+
+    /// The interval of each axis in which a cell lies; 0 beyond the dimension.
+    pub fn place(&self, cell: usize) -> [usize; 3] {
+        let mut rest = self.places[cell] as usize;
+        let mut place = [0; 3];
+        for (axis, i) in self.axes.iter().zip(&mut place) {
+            *i = rest % axis.len();
+            rest /= axis.len();
+        }
+        place
+    }
+
+    /// The cell at a place, if it is one without a hole.
+    pub fn cell_at(&self, place: [usize; 3]) -> Option<usize> {
+        let (mut index, mut stride) = (0, 1);
+        for (axis, i) in self.axes.iter().zip(place) {
+            if i >= axis.len() {
+                return None;
+            }
+            index += stride * i;
+            stride *= axis.len();
+        }
+        Some(self.table[index]).filter(|&cell| cell != NONE).map(|cell| cell as usize)
+    }
+
+    /// Number of grid lines along each axis; 1 beyond the dimension.
+    pub fn line_counts(&self) -> [usize; 3] {
+        from_fn(|d| self.axes.get(d).map_or(1, |axis| axis.lines.len()))
+    }
+
+    /// The node of `part` at each crossing of grid lines, first axis fastest; none in holes.
+    ///
+    /// # Errors
+    /// Two nodes at one place.
+    pub fn crossings(&self, part: &ModelPart) -> Result<Vec<Option<u32>>, Irregular> {
+        let [nx, ny, nz] = self.line_counts();
+        let mut nodes = vec![None; nx * ny * nz];
+        for cell in 0..self.len() {
+            let place = self.place(cell);
+            for &node in part.elements.nodes_of(cell) {
+                let x = part.nodes.coordinates[node as usize];
+                let [i, j, k] = from_fn(|d| match self.axes.get(d) {
+                    Some(Axis { lines, .. }) => {
+                        let (low, high) = (lines[place[d]], lines[place[d] + 1]);
+                        place[d] + usize::from(x[d] - low > high - x[d])
+                    }
+                    None => 0,
+                });
+                match nodes[i + nx * (j + ny * k)].replace(node) {
+                    Some(other) if other != node => {
+                        return Err(Irregular::Slit(part.nodes.ids[other as usize], part.nodes.ids[node as usize]));
+                    }
+                    _ => {}
+                }
+            }
+        }
+        Ok(nodes)
+    }
+
+    /// A cell that holds `x` up to rounding, the lowest of those that share a face there.
+    pub fn cell_holding(&self, x: [f64; 3]) -> Option<usize> {
+        self.candidates(x).as_slice().first().map(|&cell| cell as usize)
     }
 
     /// Place of a cell in the table, if it spans one interval of each axis.
@@ -75,7 +213,7 @@ impl Regular {
 
     /// Cells that may hold `x`, ascending: at most two along each axis.
     #[inline]
-    pub fn candidates(&self, x: [f64; 3]) -> Candidates {
+    pub(super) fn candidates(&self, x: [f64; 3]) -> Candidates {
         let mut found = Candidates { cells: [NONE; 8], count: 0 };
         let (mut first, mut last, mut strides) = ([0; 3], [0; 3], [0; 3]);
         let mut stride = 1;

@@ -43,8 +43,8 @@ pub(super) struct SearchMesh {
     pub tolerance: f64,
     /// Number of coordinates that matter: the largest dimension of a cell.
     pub dimension: usize,
-    /// True when all cells are boxes to within [`LATTICE`].
-    pub all_aligned: bool,
+    /// The first cell that is no axis-aligned box to within [`LATTICE`].
+    pub skew: Option<u32>,
 }
 
 impl SearchMesh {
@@ -56,14 +56,16 @@ impl SearchMesh {
             nodes: cells.nodes.clone(),
             tolerance,
             dimension,
-            all_aligned: dimension >= 2,
+            skew: None,
         };
         for (cell, &shape) in cells.shapes.iter().enumerate() {
             let (start, nodes) = (cells.starts[cell], cells.nodes_of(cell));
             let complete = nodes.len() == shape.node_count();
             let searched = complete && shape.dimension() == dimension;
             let aligned = if searched { alignment(shape, &mesh.gather_all(nodes)) } else { None };
-            mesh.all_aligned &= aligned.is_some();
+            if aligned.is_none() {
+                mesh.skew.get_or_insert(cell as u32);
+            }
             let map = match (shape, aligned) {
                 _ if !searched => Map::None,
                 (Shape::Quadrilateral4, Some(([i, j, _], deviation))) if deviation <= BOX => Map::Rectangle([i, j]),
@@ -224,6 +226,7 @@ fn in_box<const D: usize, const N: usize>(corners: &[[f64; D]; N], x: &[f64; D],
 /// of the box, if the cell is a box to within [`LATTICE`].
 fn alignment(shape: Shape, corners: &[[f64; 3]; 8]) -> Option<([u8; 3], f64)> {
     let opposite = match shape {
+        Shape::Line2 => 1,
         Shape::Quadrilateral4 => 2,
         Shape::Hexahedron8 => 6,
         _ => return None,

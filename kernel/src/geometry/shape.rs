@@ -1,5 +1,6 @@
 //! The shapes of cells.
 
+use super::ShapeTable;
 use super::cell::{CellShape, Hexahedron8, Line2, Quadrilateral4, Tetrahedron4, Triangle3};
 
 /// Shape of a cell, with Kratos's order of local nodes.
@@ -174,34 +175,14 @@ impl Shape {
     /// Jacobian of the map to physical coordinates, J\[i\]\[j\] = ∂x_i/∂ξ_j; columns beyond
     /// [`Shape::dimension`] are 0. `corners` holds one position for each node.
     pub fn jacobian(self, corners: &[[f64; 3]], xi: [f64; 3]) -> [[f64; 3]; 3] {
-        let mut gradients = [[0.0; 3]; 8];
-        self.gradients(xi, &mut gradients);
-        let mut jacobian = [[0.0; 3]; 3];
-        for (corner, gradient) in corners.iter().zip(&gradients[..self.node_count()]) {
-            for i in 0..3 {
-                for j in 0..3 {
-                    jacobian[i][j] += corner[i] * gradient[j];
-                }
-            }
-        }
-        jacobian
+        ShapeTable::new(self, xi).jacobian(corners)
     }
 
     /// Ratio of physical to local measure at ξ, by which weights are multiplied: det J of a solid
     /// (negative where it is inside out), |∂x/∂ξ × ∂x/∂η| of a triangle or quadrilateral,
     /// |∂x/∂ξ| of a line, 1 of a point.
     pub fn jacobian_determinant(self, corners: &[[f64; 3]], xi: [f64; 3]) -> f64 {
-        let jacobian = self.jacobian(corners, xi);
-        let column = |j: usize| [jacobian[0][j], jacobian[1][j], jacobian[2][j]];
-        match self.dimension() {
-            0 => 1.0,
-            1 => dot(column(0), column(0)).sqrt(),
-            2 => {
-                let normal = cross(column(0), column(1));
-                dot(normal, normal).sqrt()
-            }
-            _ => dot(cross(column(0), column(1)), column(2)),
-        }
+        ShapeTable::new(self, xi).jacobian_determinant(corners)
     }
 
     /// Normal at ξ whose length is the ratio of physical to local measure: of a line in the plane to
@@ -225,8 +206,37 @@ impl Shape {
         if self.is_affine() {
             return self.reference_measure() * self.jacobian_determinant(corners, self.center());
         }
-        let gauss_points = self.reference_corners().iter().map(|corner| corner.map(|v| v / 3f64.sqrt()));
-        gauss_points.map(|xi| self.jacobian_determinant(corners, xi)).sum()
+        if let Some((edges, deviation)) = self.edges(corners)
+            && deviation <= 4.0 * f64::EPSILON * corners.as_flattened().iter().fold(0.0, |most, x| x.abs().max(most))
+        {
+            let normal = cross(edges[0], edges[1]);
+            let is_solid = self == Self::Hexahedron8;
+            return if is_solid { dot(normal, edges[2]) } else { dot(normal, normal).sqrt() };
+        }
+        ShapeTable::gauss_points(self).iter().map(|table| table.jacobian_determinant(corners)).sum()
+    }
+
+    /// The edges that leave the first corner of a quadrilateral or hexahedron (the third is 0 in the
+    /// former), and the sum of all differences of coordinates from the parallelogram or
+    /// parallelepiped that they span, all in m. None for other shapes.
+    pub(super) fn edges(self, corners: &[[f64; 3]]) -> Option<([[f64; 3]; 3], f64)> {
+        let edge = |to: usize| std::array::from_fn(|i| corners[to][i] - corners[0][i]);
+        let (edges, sums): (_, &[(usize, [f64; 3])]) = match (self, corners.len()) {
+            (Self::Quadrilateral4, 4) => ([edge(1), edge(3), [0.0; 3]], &[(2, [1.0, 1.0, 0.0])]),
+            (Self::Hexahedron8, 8) => (
+                [edge(1), edge(3), edge(4)],
+                &[(2, [1.0, 1.0, 0.0]), (5, [1.0, 0.0, 1.0]), (7, [0.0, 1.0, 1.0]), (6, [1.0; 3])],
+            ),
+            _ => return None,
+        };
+        let mut deviation = 0.0;
+        for &(corner, shares) in sums {
+            for i in 0..3 {
+                let sum = shares[0] * edges[0][i] + shares[1] * edges[1][i] + shares[2] * edges[2][i];
+                deviation += (corners[0][i] + sum - corners[corner][i]).abs();
+            }
+        }
+        Some((edges, deviation))
     }
 
     /// Signed area (m²) of the projection to the first two coordinates, positive where the nodes

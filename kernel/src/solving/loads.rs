@@ -3,12 +3,10 @@
 //! Values stand on the conditions, on their nodes, or on both, and add up. Faces are taken as they
 //! lie in the mesh, so that loads on a moving body are dead loads.
 
-use super::ActiveDofs;
 use crate::geometry::{Shape, rule};
 use crate::model::ModelPart;
 use crate::registry::Registry;
 use crate::variables::{Fields, Variable};
-use std::f64::consts::TAU;
 
 /// Force on a point [N].
 pub const POINT_LOAD: Variable = Variable::vector("POINT_LOAD", "N", "force on a point");
@@ -30,86 +28,79 @@ pub fn register(registry: &mut Registry) {
     }
 }
 
-/// Loads on conditions of a mesh.
-pub struct ConditionLoads<'a> {
-    /// The mesh with its conditions.
-    pub part: &'a ModelPart,
-    /// Axisymmetric about the y axis: loads act on whole rings.
-    pub axisymmetric: bool,
+/// A share of a condition's load, which acts at one place.
+pub struct LoadPoint<'a> {
+    /// The place in metres.
+    pub position: [f64; 3],
+    /// Nodes of the condition.
+    pub nodes: &'a [u32],
+    /// Their shape functions at the place.
+    pub functions: &'a [f64],
+    /// Weight of the place.
+    pub weight: f64,
+    /// The force is the weight times this (N); under axisymmetry it is per length of the ring (N/m).
+    pub load: [f64; 3],
 }
 
-impl ConditionLoads<'_> {
-    /// Adds the nodal forces of a condition to a vector over the active dofs. Under axisymmetry
-    /// loads act at the radius moved by `increments`; an empty slice stands for zeros.
-    pub fn add(&self, condition: usize, dofs: &ActiveDofs, increments: &[f64], forces: &mut [f64]) {
-        match self.part.conditions.shapes[condition] {
-            Shape::Point1 => self.point(condition, dofs, increments, forces),
-            shape => self.surface(condition, shape, dofs, increments, forces),
-        }
-    }
-
-    /// Whether a condition carries a load of its own or of its nodes.
-    pub fn is_loaded(&self, condition: usize) -> bool {
-        let any = |fields: &Fields, index: usize| {
-            let vectors = [&POINT_LOAD, &LINE_LOAD, &SURFACE_LOAD];
-            vectors.iter().any(|variable| vector(fields, variable, index) != [0.0; 3]) || pressure(fields, index) != 0.0
+/// Visits the places at which a condition's loads act: its node, or `count(shape)` integration points
+/// of its face.
+pub fn visit_loads(
+    part: &ModelPart,
+    condition: usize,
+    count: impl Fn(Shape) -> usize,
+    visit: &mut dyn FnMut(LoadPoint),
+) {
+    let (shape, nodes) = (part.conditions.shapes[condition], part.conditions.nodes_of(condition));
+    let corners = part.corners(&part.conditions, condition);
+    let variable = match shape {
+        Shape::Point1 => &POINT_LOAD,
+        Shape::Line2 => &LINE_LOAD,
+        _ => &SURFACE_LOAD,
+    };
+    // A positive face pressure pushes along the normal of a line but against that of a face,
+    // as in Kratos.
+    let sign = if shape == Shape::Line2 { 1.0 } else { -1.0 };
+    let mut functions = [0.0; 4];
+    for point in rule(shape, count(shape)).unwrap_or_default() {
+        shape.functions(point.xi, &mut functions);
+        // The normal's length is the measure of the face.
+        let normal = shape.normal(&corners, point.xi);
+        let measure = match shape {
+            Shape::Point1 => 1.0,
+            _ => normal.iter().map(|n| n * n).sum::<f64>().sqrt(),
         };
-        let mut nodes = self.part.conditions.nodes_of(condition).iter();
-        any(&self.part.condition_fields, condition) || nodes.any(|&node| any(&self.part.node_fields, node as usize))
-    }
-
-    fn point(&self, condition: usize, dofs: &ActiveDofs, increments: &[f64], forces: &mut [f64]) {
-        let node = self.part.conditions.nodes_of(condition)[0];
-        let own = vector(&self.part.condition_fields, &POINT_LOAD, condition);
-        let nodal = vector(&self.part.node_fields, &POINT_LOAD, node as usize);
-        let ring = if self.axisymmetric { TAU * self.radius(node, dofs, increments) } else { 1.0 };
-        dofs.add_force(node, ring, [own[0] + nodal[0], own[1] + nodal[1], own[2] + nodal[2]], forces);
-    }
-
-    /// Two Gauss points a direction on lines and quadrilaterals, three on triangles.
-    fn surface(&self, condition: usize, shape: Shape, dofs: &ActiveDofs, increments: &[f64], forces: &mut [f64]) {
-        let nodes = self.part.conditions.nodes_of(condition);
-        let corners = self.part.corners(&self.part.conditions, condition);
-        let (variable, count) = match shape {
-            Shape::Line2 => (&LINE_LOAD, 2),
-            Shape::Triangle3 => (&SURFACE_LOAD, 3),
-            _ => (&SURFACE_LOAD, 4),
-        };
-        // A positive face pressure pushes along the normal of a line but against that of a face,
-        // as in Kratos.
-        let sign = if shape == Shape::Line2 { 1.0 } else { -1.0 };
-        let load = vector(&self.part.condition_fields, variable, condition);
-        let own_pressure = pressure(&self.part.condition_fields, condition);
-        let mut functions = [0.0; 4];
-        for point in rule(shape, count).unwrap_or_default() {
-            shape.functions(point.xi, &mut functions[..nodes.len()]);
-            // The normal's length is the measure of the face.
-            let normal = shape.normal(&corners, point.xi);
-            let measure = normal.iter().map(|n| n * n).sum::<f64>().sqrt();
-            let mut total_load = load;
-            let mut total_pressure = own_pressure;
-            let mut ring = 1.0;
-            if self.axisymmetric {
-                let radii = nodes.iter().zip(functions).map(|(&node, n)| n * self.radius(node, dofs, increments));
-                ring = TAU * radii.sum::<f64>();
-            }
-            for (&node, n) in nodes.iter().zip(functions) {
-                let nodal = vector(&self.part.node_fields, variable, node as usize);
-                (0..3).for_each(|i| total_load[i] += n * nodal[i]);
-                total_pressure += n * pressure(&self.part.node_fields, node as usize);
-            }
-            let traction: [f64; 3] =
-                std::array::from_fn(|i| measure * total_load[i] + sign * total_pressure * normal[i]);
-            for (&node, n) in nodes.iter().zip(functions) {
-                dofs.add_force(node, n * point.weight * ring, traction, forces);
+        let mut force = vector(&part.condition_fields, variable, condition);
+        let mut push = sign * pressure(&part.condition_fields, condition);
+        let mut position = [0.0; 3];
+        for ((&node, n), corner) in nodes.iter().zip(functions).zip(&corners) {
+            let nodal = vector(&part.node_fields, variable, node as usize);
+            push += n * sign * pressure(&part.node_fields, node as usize);
+            for i in 0..3 {
+                force[i] += n * nodal[i];
+                position[i] += n * corner[i];
             }
         }
+        let load = std::array::from_fn(|i| measure * force[i] + push * normal[i]);
+        visit(LoadPoint { position, nodes, functions: &functions[..nodes.len()], weight: point.weight, load });
     }
+}
 
-    fn radius(&self, node: u32, dofs: &ActiveDofs, increments: &[f64]) -> f64 {
-        let moved = dofs.number(node).and_then(|number| increments.get(number * dofs.block())).copied().unwrap_or(0.0);
-        self.part.nodes.coordinates[node as usize][0] + moved
+/// Points that integrate linear loads on linear faces: two a direction, three on triangles.
+pub fn linear_rule(shape: Shape) -> usize {
+    match shape {
+        Shape::Line2 => 2,
+        other => other.node_count(),
     }
+}
+
+/// Whether a condition carries a load of its own or of its nodes.
+pub fn is_loaded(part: &ModelPart, condition: usize) -> bool {
+    let any = |fields: &Fields, index: usize| {
+        let vectors = [&POINT_LOAD, &LINE_LOAD, &SURFACE_LOAD];
+        vectors.iter().any(|variable| vector(fields, variable, index) != [0.0; 3]) || pressure(fields, index) != 0.0
+    };
+    let mut nodes = part.conditions.nodes_of(condition).iter();
+    any(&part.condition_fields, condition) || nodes.any(|&node| any(&part.node_fields, node as usize))
 }
 
 /// Positive minus negative face pressure.
@@ -136,17 +127,21 @@ mod tests {
         part.conditions.push(2, "Face", Shape::Quadrilateral4, 0, &[0, 1, 2, 3]);
         part.node_fields.vector_mut(&LINE_LOAD, 4)[1] = [0.0, 6.0, 0.0];
         part.condition_fields.scalar_mut(&POSITIVE_FACE_PRESSURE, 2)[1] = 10.0;
-        let dofs = ActiveDofs::new(3, &[true; 4]);
-        let loads = ConditionLoads { part: &part, axisymmetric: false };
-        assert!(loads.is_loaded(0) && loads.is_loaded(1));
-        let mut forces = vec![0.0; 12];
-        loads.add(0, &dofs, &[], &mut forces);
+        assert!(is_loaded(&part, 0) && is_loaded(&part, 1));
+        let forces = |condition: usize| {
+            let mut forces = vec![0.0; 12];
+            visit_loads(&part, condition, linear_rule, &mut |at| {
+                for (&node, n) in at.nodes.iter().zip(at.functions) {
+                    (0..3).for_each(|i| forces[3 * node as usize + i] += n * at.weight * at.load[i]);
+                }
+            });
+            forces
+        };
+        let of_line = forces(0);
         // 6 N/m · 2 m / 6 and / 3.
-        assert!((forces[1] - 2.0).abs() < 1e-14 && (forces[4] - 4.0).abs() < 1e-14, "{forces:?}");
-        forces.fill(0.0);
-        loads.add(1, &dofs, &[], &mut forces);
+        assert!((of_line[1] - 2.0).abs() < 1e-14 && (of_line[4] - 4.0).abs() < 1e-14, "{of_line:?}");
         // Normal of the face: (0, -8, 6) over the area 10; a quarter of 10 Pa times it on each node.
-        for node in forces.chunks(3) {
+        for node in forces(1).chunks(3) {
             assert!(node[0].abs() < 1e-13 && (node[1] - 20.0).abs() < 1e-13 && (node[2] + 15.0).abs() < 1e-13);
         }
     }

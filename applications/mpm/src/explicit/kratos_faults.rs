@@ -1,8 +1,8 @@
 //! Faults of Kratos's explicit solver: here in full, and nowhere else. They act under
 //! `kratos_exact` alone, where results are to be compared with those of Kratos 10.4.4 (spec 04).
 
-use bia_constitutive::Voigt;
-use bia_constitutive::tensor::strain_to_voigt;
+use bia_constitutive::tensor::{Tensor, product, transpose};
+use bia_kernel::lanes::{Lanes, Real};
 use nalgebra::Matrix3;
 
 /// Whether a run repeats the faults.
@@ -30,15 +30,44 @@ impl KratosFaults {
         }
     }
 
+    /// [`misalign`](Self::misalign) for points in step.
+    #[inline(always)]
+    pub fn misalign_lanes<const W: usize, const D: usize, const N: usize>(
+        self,
+        functions: &mut [Lanes<W>; N],
+        gradients: &mut [[Lanes<W>; D]; N],
+    ) {
+        if !self.0 || functions.iter().all(|n| n.0.iter().all(|n| *n >= 0.0)) {
+            return;
+        }
+        for l in 0..W {
+            let mut of_lane = functions.map(|n| n.0[l]);
+            let mut rows = gradients.map(|row| row.map(|g| g.0[l]));
+            self.misalign(&mut of_lane, &mut rows);
+            for i in 0..N {
+                functions[i].0[l] = of_lane[i];
+                (0..D).for_each(|a| gradients[i][a].0[l] = rows[i][a]);
+            }
+        }
+    }
+
     /// Kratos turns the increment of strain instead of the strain, and deforms with the increment
     /// instead of the velocity gradient: F has no rotation and stress does not turn with the body.
-    /// None without the fault.
+    /// `step` is Δt times the velocity gradient. None without the fault.
     #[inline(always)]
-    pub fn increment(self, velocity_gradient: &Matrix3<f64>, time_step: f64) -> Option<Matrix3<f64>> {
+    pub fn increment<R: Real>(self, step: &Tensor<R>) -> Option<Tensor<R>> {
         self.0.then(|| {
-            let rate = 0.5 * (velocity_gradient + velocity_gradient.transpose());
-            let spin = velocity_gradient - rate;
-            time_step * (rate + time_step * (rate * spin - spin * rate))
+            let turned = transpose(step);
+            let (mut rate, mut spin) = (*step, *step);
+            for i in 0..3 {
+                for j in 0..3 {
+                    rate[i][j] = (step[i][j] + turned[i][j]) * 0.5;
+                    spin[i][j] = (step[i][j] - turned[i][j]) * 0.5;
+                }
+            }
+            let (forward, backward) = (product(&rate, &spin), product(&spin, &rate));
+            (0..3).for_each(|i| (0..3).for_each(|j| rate[i][j] += forward[i][j] - backward[i][j]));
+            rate
         })
     }
 
@@ -85,13 +114,6 @@ impl KratosFaults {
     pub fn reach(self, smallest_cell: f64) -> f64 {
         if self.0 { f64::INFINITY } else { smallest_cell }
     }
-}
-
-/// Adds a strain tensor to Voigt components.
-#[inline(always)]
-pub fn accumulate(strain: &Voigt, increment: &Matrix3<f64>) -> Voigt {
-    let added = strain_to_voigt(increment);
-    std::array::from_fn(|i| strain[i] + added[i])
 }
 
 #[cfg(test)]

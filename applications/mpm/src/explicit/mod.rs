@@ -8,19 +8,24 @@
 //!
 //! Sources: Sulsky, Zhou & Schreyer 1995; Bardenhagen 2002; Nairn 2003.
 
+mod cells;
 mod chunk;
-mod gather;
 mod kinematics;
 mod kratos_faults;
 mod nodes;
-mod points;
+mod patches;
+mod rows;
+mod search;
 mod stability;
+mod strain;
+mod to_grid;
+mod to_points;
 
 use crate::active::ActiveCells;
 use crate::grid::{GRID, write_nodal};
 use crate::points::{Columns, MaterialPoints};
 use crate::scene::{Scene, move_conditions, points_of, with_points};
-use crate::settings::{ExplicitSettings, Scheme, SolverSettings, Stepping};
+use crate::settings::{ExplicitSettings, Frame, Scheme, SolverSettings, Stepping};
 use crate::variables::{ACCELERATION, DISPLACEMENT, NODAL_MASS, REACTION, VELOCITY};
 use bia_constitutive::Kinematics;
 use bia_kernel::diagnostic::InputErrors;
@@ -31,29 +36,34 @@ use bia_kernel::processes::{Clock, Context, Location, Process, Requirements, Res
 use bia_kernel::registry::Registry;
 use bia_kernel::solving::StepReport;
 use bia_kernel::solving::solver::{Inventory, Solver};
-use gather::{Gather, Wanted};
+use cells::Mapping;
 use kratos_faults::KratosFaults;
 use nodes::Nodes;
-use points::{Cause, Field, Trouble, advance, update_stress};
+use patches::Patches;
+use search::Search;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
+use to_grid::{Gather, Wanted};
+use to_points::{Cause, Field, Strokes, Trouble};
 
 const SEARCH: usize = 0;
 const TO_GRID: usize = 1;
 const TO_POINTS: usize = 2;
-const STRESS: usize = 3;
 
 /// The solver with what it keeps from step to step.
 pub struct Explicit {
     scene: Scene,
     settings: ExplicitSettings,
     faults: KratosFaults,
+    mapping: Mapping,
+    search: Search,
     active: ActiveCells,
+    patches: Patches,
     nodes: Nodes,
     limits: Limits,
     /// Nodal variables that someone reads.
     shown: Vec<&'static str>,
-    stages: [(&'static str, Duration); 4],
+    stages: [(&'static str, Duration); 3],
     told_step: bool,
     arch: pulp::Arch,
 }
@@ -92,11 +102,14 @@ impl Explicit {
             scene: Scene::new(settings, options),
             settings: explicit,
             faults,
+            mapping: Mapping { affine: false, stored: true },
+            search: Search::default(),
             active: ActiveCells::default(),
+            patches: Patches::default(),
             nodes: Nodes::default(),
             limits: Limits::default(),
             shown: Vec::new(),
-            stages: ["search", "points to grid", "grid to points", "stress"].map(|name| (name, Duration::ZERO)),
+            stages: ["search", "points to grid", "grid to points"].map(|name| (name, Duration::ZERO)),
             told_step: false,
             arch: pulp::Arch::new(),
         }
@@ -104,18 +117,34 @@ impl Explicit {
 
     /// Finds the points' cells; numbers the nodes again if the cells have changed.
     fn update_active(&mut self, points: &mut MaterialPoints, grid: &ModelPart, time_step: f64) -> Result<(), Error> {
-        self.scene.search(points)?;
+        let frame = self.frame();
+        let mut moved = self.search.find(&mut self.scene, points, frame)?;
         if self.settings.leave_edges {
             self.leave_edges(points, grid, time_step);
+            moved = true;
         }
-        let before = std::mem::take(&mut self.active.cells);
-        self.active.gather(&points.blocks, grid.elements.len());
-        if before != self.active.cells {
-            self.nodes.renumber(grid, &self.active, points.dimension());
-            let sizes = self.active.cells.iter().map(|&cell| self.limits.sizes[cell as usize]);
-            self.limits.smallest = sizes.fold(f64::INFINITY, f64::min);
+        if moved {
+            let before = std::mem::take(&mut self.active.cells);
+            self.active.gather(&points.blocks, grid.elements.len());
+            if before != self.active.cells || self.patches.len() == 0 {
+                self.renumber(points, grid);
+            }
+            if self.search.restore_order(points, &self.active, grid.elements.len()) {
+                self.active.gather(&points.blocks, grid.elements.len());
+            }
         }
         Ok(())
+    }
+
+    fn renumber(&mut self, points: &MaterialPoints, grid: &ModelPart) {
+        self.nodes.renumber(grid, &self.active, points.dimension());
+        self.patches = Patches::new(grid, &self.active, &self.nodes.dofs);
+        let sizes = self.active.cells.iter().map(|&cell| self.limits.sizes[cell as usize]);
+        self.limits.smallest = sizes.fold(f64::INFINITY, f64::min);
+    }
+
+    fn frame(&self) -> Frame {
+        self.scene.settings.discretisation.frame
     }
 
     /// Moves points that lie on an edge of their cell by a thousandth of their path, as Kratos does
@@ -125,9 +154,8 @@ impl Explicit {
         for block in &mut points.blocks {
             for point in 0..block.len() {
                 let Some(&shape) = grid.elements.shapes.get(block.cell[point] as usize) else { continue };
-                let (mut xi, mut functions) = ([0.0; 3], [0.0; 8]);
-                let local = block.local.row(point);
-                xi[..local.len()].copy_from_slice(local);
+                let mut functions = [0.0; 8];
+                let Some((_, xi)) = locator.locate(block.coordinates(point), Some(block.cell[point])) else { continue };
                 shape.functions(xi, &mut functions[..shape.node_count()]);
                 if functions[..shape.node_count()].iter().all(|n| *n >= f64::EPSILON) {
                     continue;
@@ -137,8 +165,10 @@ impl Explicit {
                 block.position.row_mut(point).iter_mut().zip(velocity).for_each(|(x, v)| *x += step * v);
                 if let Some((cell, xi)) = locator.locate(block.coordinates(point), Some(block.cell[point])) {
                     block.cell[point] = cell;
-                    let local = block.local.row_mut(point);
-                    local.copy_from_slice(&xi[..local.len()]);
+                    if block.local.is_used() {
+                        let local = block.local.row_mut(point);
+                        local.copy_from_slice(&xi[..local.len()]);
+                    }
                 }
             }
         }
@@ -151,8 +181,11 @@ impl Explicit {
         let gather = Gather {
             blocks: &points.blocks,
             active: &self.active,
+            patches: &self.patches,
             grid,
             dofs: &self.nodes.dofs,
+            mapping: self.mapping,
+            frame: self.frame(),
             kinematics: points.kinematics,
             ahead: if central { 0.5 * time_step } else { 0.0 },
             faults: self.faults,
@@ -162,19 +195,41 @@ impl Explicit {
         self.stages[TO_GRID].1 += begin.elapsed();
     }
 
-    fn field<'a>(&'a self, grid: &'a ModelPart, time_step: f64) -> Field<'a> {
-        Field {
+    /// Does these strokes with the points. Velocity and what carries the points are those of the
+    /// grid, in this order.
+    fn strokes(
+        &mut self,
+        points: &mut MaterialPoints,
+        grid: &ModelPart,
+        time_step: f64,
+        [velocity, carrying]: [&[f64]; 2],
+        strokes: Strokes,
+    ) -> Result<(), Error> {
+        let begin = Instant::now();
+        let field = Field {
             grid,
             dofs: &self.nodes.dofs,
-            velocity: &self.nodes.velocity,
+            mapping: self.mapping,
+            frame: self.frame(),
+            velocity,
+            carrying,
             acceleration: &self.nodes.acceleration,
             time_step,
             gamma: self.gamma(),
+            transfer: self.settings.transfer,
             reach: self.faults.reach(self.limits.smallest),
             compressible: self.settings.compressible,
             faults: self.faults,
             arch: self.arch,
+        };
+        let found = to_points::apply(points, &field, strokes);
+        self.stages[TO_POINTS].1 += begin.elapsed();
+        let found = found.map_err(|trouble| self.failure(points, &trouble, time_step))?;
+        if strokes.kick {
+            self.limits.point = found.fastest;
         }
+        self.search.leavers.extend(found.leavers);
+        Ok(())
     }
 
     fn gamma(&self) -> f64 {
@@ -183,13 +238,6 @@ impl Explicit {
 
     fn updates_stress_first(&self) -> bool {
         matches!(self.settings.scheme, Scheme::UpdateStressFirst | Scheme::CentralDifference)
-    }
-
-    fn update_stress(&mut self, points: &mut MaterialPoints, grid: &ModelPart, time_step: f64) -> Result<(), Error> {
-        let begin = Instant::now();
-        let updated = update_stress(points, &self.field(grid, time_step));
-        self.stages[STRESS].1 += begin.elapsed();
-        updated.map_err(|trouble| self.failure(points, &trouble, time_step))
     }
 
     /// The end of an unstable run.
@@ -238,6 +286,31 @@ impl Explicit {
             tracing::warn!("{what} ({})", self.limits.describe());
         }
         Ok(())
+    }
+
+    /// Takes the points to the end of the step, carried by this velocity of the nodes.
+    fn move_points(
+        &mut self,
+        points: &mut MaterialPoints,
+        grid: &ModelPart,
+        time_step: f64,
+        carrying: &[f64],
+    ) -> Result<(), Error> {
+        let (kick, drift) = (true, true);
+        if self.settings.scheme != Scheme::ModifiedUpdateStressLast {
+            let strain = self.settings.scheme == Scheme::UpdateStressLast;
+            return self.strokes(points, grid, time_step, [carrying; 2], Strokes { strain, kick, drift });
+        }
+        self.strokes(points, grid, time_step, [carrying; 2], Strokes { kick, ..Strokes::default() })?;
+        self.nodes.sums.momentum.fill(0.0);
+        self.gather(points, grid, Wanted::MovedMomentum, time_step);
+        self.nodes.velocity.resize(carrying.len(), 0.0);
+        self.nodes.find_velocity();
+        let velocity = std::mem::take(&mut self.nodes.velocity);
+        let strokes = Strokes { strain: true, drift, ..Strokes::default() };
+        let moved = self.strokes(points, grid, time_step, [&velocity, carrying], strokes);
+        self.nodes.velocity = velocity;
+        moved
     }
 
     fn shows(&self, name: &str) -> bool {
@@ -294,7 +367,18 @@ impl Solver for Explicit {
         if self.scene.settings.reactions && !self.shows(REACTION.name) {
             self.shown.push(REACTION.name);
         }
-        self.scene.make_points(model, requirements, Columns { motion: true, stress: true, ..Columns::default() })?;
+        if let Some(grid) = model.part(GRID) {
+            self.mapping = search::mapping(grid, self.frame());
+        }
+        let needed = Columns {
+            velocity: true,
+            acceleration: self.settings.scheme == Scheme::CentralDifference,
+            local: self.mapping.stored,
+            stress: true,
+            volume: true,
+            ..Columns::default()
+        };
+        self.scene.make_points(model, requirements, needed)?;
         let Some((grid, points)) = model.part(GRID).zip(points_of(model)) else { return Ok(()) };
         self.limits.sizes = stability::cell_sizes(grid);
         self.limits.wave = stability::wave_speed(points);
@@ -318,9 +402,7 @@ impl Solver for Explicit {
         }
         let Some((grid, points)) = context.model.part(GRID).zip(points_of(context.model)) else { return Ok(()) };
         self.active.gather(&points.blocks, grid.elements.len());
-        self.nodes.renumber(grid, &self.active, points.dimension());
-        let sizes = self.active.cells.iter().map(|&cell| self.limits.sizes[cell as usize]);
-        self.limits.smallest = sizes.fold(f64::INFINITY, f64::min);
+        self.renumber(points, grid);
         self.limits.point = stability::point_speed(points);
         tracing::info!("stable time step {:.4e} s: {}", self.limits.stable_step(), self.limits.describe());
         Ok(())
@@ -361,11 +443,16 @@ impl Solver for Explicit {
         with_points(context.model, |points, grid| {
             if self.updates_stress_first() {
                 self.nodes.find_velocity();
-                self.update_stress(points, grid, time_step)?;
+                let velocity = std::mem::take(&mut self.nodes.velocity);
+                let strain = Strokes { strain: true, ..Strokes::default() };
+                let strained = self.strokes(points, grid, time_step, [&velocity, &[]], strain);
+                self.nodes.velocity = velocity;
+                strained?;
                 self.gather(points, grid, Wanted::Force, time_step);
             }
             let axisymmetric = points.kinematics == Kinematics::Axisymmetric;
-            let loads = crate::loads::Loads { grid, conditions: &points.conditions, axisymmetric };
+            let loads =
+                crate::loads::Loads { grid, space: &self.scene.space, conditions: &points.conditions, axisymmetric };
             loads.add(&self.nodes.dofs, &[], &mut self.nodes.sums.force);
             self.nodes.accelerate(self.gamma() * time_step);
             if self.settings.scheme != Scheme::CentralDifference {
@@ -378,31 +465,22 @@ impl Solver for Explicit {
     fn finalize_solution_step(&mut self, context: &mut Context) -> Result<(), Error> {
         let time_step = context.clock.time_step;
         with_points(context.model, |points, grid| {
-            let begin = Instant::now();
-            let advanced = advance(points, &self.field(grid, time_step));
-            self.limits.point = advanced.map_err(|trouble| self.failure(points, &trouble, time_step))?;
-            let conditions = !points.conditions.is_empty();
+            let carrying = std::mem::take(&mut self.nodes.velocity);
+            let moved = self.move_points(points, grid, time_step, &carrying);
+            if self.settings.scheme != Scheme::ModifiedUpdateStressLast {
+                self.nodes.velocity = carrying.clone();
+            }
+            moved?;
             let mut increments = Vec::new();
-            if conditions || (self.shows(DISPLACEMENT.name) && !self.faults.shows_old_nodes()) {
-                increments.extend(self.nodes.velocity.iter().map(|v| v * time_step));
+            if !points.conditions.is_empty() || (self.shows(DISPLACEMENT.name) && !self.faults.shows_old_nodes()) {
+                increments.extend(carrying.iter().map(|v| v * time_step));
                 let least = self.faults.least_function();
-                let motion = [&increments[..], &self.nodes.velocity[..]];
-                move_conditions(&mut points.conditions, grid, &self.nodes.dofs, motion, least);
+                let motion = [&increments[..], &carrying[..]];
+                move_conditions(&mut points.conditions, &self.scene.space, &self.nodes.dofs, motion, least);
             }
             if self.faults.shows_old_nodes() {
                 increments.clear();
                 increments.resize(self.nodes.dofs.order(), 0.0);
-            }
-            self.stages[TO_POINTS].1 += begin.elapsed();
-            match self.settings.scheme {
-                Scheme::UpdateStressLast => self.update_stress(points, grid, time_step)?,
-                Scheme::ModifiedUpdateStressLast => {
-                    self.nodes.sums.momentum.fill(0.0);
-                    self.gather(points, grid, Wanted::MovedMomentum, time_step);
-                    self.nodes.find_velocity();
-                    self.update_stress(points, grid, time_step)?;
-                }
-                _ => {}
             }
             self.write_nodes(grid, &increments);
             Ok(())

@@ -1,7 +1,7 @@
 //! The nodes of the active cells in one step: boundary values, velocities, accelerations.
 
-use super::gather::NodalSums;
 use super::kratos_faults::KratosFaults;
+use super::to_grid::NodalSums;
 use crate::active::{ActiveCells, active_dofs};
 use crate::variables::DISPLACEMENT;
 use bia_kernel::model::ModelPart;

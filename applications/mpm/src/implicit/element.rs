@@ -1,17 +1,19 @@
 //! Integrals of one background cell over its material points: internal and body forces, and the
 //! tangent of the updated Lagrangian displacement formulation (spec 03 §4-5).
 //!
-//! With u the nodal increments of the step, N and ∇₀N taken once at the start-of-step positions:
+//! With u the nodal increments of the step, N and ∇₀N at the start of the step:
 //!
-//! - f = I + Σ u ⊗ ∇₀N, F = f Fₙ, ∇N = ∇₀N f⁻¹, V = V₀ det F;
+//! - updated frame: f = I + Σ u ⊗ ∇₀N, F = f Fₙ, ∇N = ∇₀N f⁻¹, V = V₀ det F;
+//! - total frame, ∇₀N taken at the first positions for ever: F = Fₙ + Σ u ⊗ ∇₀N, ∇N = ∇₀N F⁻¹;
 //! - residual  R_ia = N_i m g_a − V Σ_b ∂_b N_i σ_ab;
 //! - tangent   K_ia,jb = V (B_iᵀ c B_j)_ab + V (∇N_i · σ ∇N_j) δ_ab.
 
 use super::kratos_faults::KratosFaults;
 use crate::points::{Block, law_failure};
+use crate::settings::Frame;
 use bia_constitutive::{Deformation, Kinematics, Response, Want};
 use bia_kernel::error::Failure;
-use bia_kernel::geometry::{CellShape, physical_gradients};
+use bia_kernel::geometry::PlacedBasis;
 use bia_kernel::solving::CellBuffer;
 use nalgebra::Matrix3;
 
@@ -21,7 +23,7 @@ const CHUNK: usize = 8;
 const VOIGT: [[usize; 3]; 3] = [[0, 3, 5], [3, 1, 4], [5, 4, 2]];
 
 /// The work on one cell, for the widest vectors that the machine has.
-pub struct CellTask<'a, S, const D: usize, const N: usize> {
+pub struct CellTask<'a, B, const D: usize, const N: usize> {
     /// What all cells share.
     pub integrator: &'a Integrator<'a>,
     /// Nodal values.
@@ -32,18 +34,18 @@ pub struct CellTask<'a, S, const D: usize, const N: usize> {
     pub buffer: &'a mut CellBuffer,
     /// Whether the matrix is wanted.
     pub with_matrix: bool,
-    /// The shape.
-    pub shape: std::marker::PhantomData<S>,
+    /// The functions.
+    pub basis: B,
 }
 
-impl<S: CellShape<D, N>, const D: usize, const N: usize> pulp::WithSimd for CellTask<'_, S, D, N> {
+impl<B: PlacedBasis<D, N>, const D: usize, const N: usize> pulp::WithSimd for CellTask<'_, B, D, N> {
     type Output = Result<(), Failure>;
 
     // Everything that is inlined here is compiled for the instruction set. The order of sums is
     // that of the source, so their bits do not depend on it.
     #[inline(always)]
     fn with_simd<A: pulp::Simd>(self, _: A) -> Self::Output {
-        self.integrator.cell::<S, D, N>(self.state, self.points, self.buffer, self.with_matrix)
+        self.integrator.cell(&self.basis, self.state, self.points, self.buffer, self.with_matrix)
     }
 }
 
@@ -53,6 +55,8 @@ pub struct Integrator<'a> {
     pub blocks: &'a [Block],
     /// Kinematics of the scene.
     pub kinematics: Kinematics,
+    /// Where functions are evaluated.
+    pub frame: Frame,
     /// Time step in seconds.
     pub time_step: f64,
     /// Which of Kratos's faults act.
@@ -63,8 +67,6 @@ pub struct Integrator<'a> {
 
 /// Nodal values of a cell.
 pub struct CellState<const D: usize, const N: usize> {
-    /// Coordinates of the grid, which stays where it is.
-    pub corners: [[f64; D]; N],
     /// Displacement increments.
     pub increments: [[f64; D]; N],
     /// (1 - alpha) a + alpha a0, read with a consistent mass only.
@@ -91,38 +93,42 @@ impl<const D: usize, const N: usize> PointKinematics<D, N> {
     /// # Errors
     /// The increments turn the point's surroundings inside out.
     #[inline(always)]
-    pub fn new<S: CellShape<D, N>>(
+    pub fn new<B: PlacedBasis<D, N>>(
+        basis: &B,
         block: &Block,
         point: usize,
-        kinematics: Kinematics,
-        corners: &[[f64; D]; N],
+        (kinematics, frame): (Kinematics, Frame),
         increments: &[[f64; D]; N],
     ) -> Result<Self, Failure> {
         let xi = block.local.get::<D>(point);
-        let functions = S::functions(&xi);
-        let (reference, _) = physical_gradients::<S, D, N>(corners, &xi);
-        let mut relative = Matrix3::identity();
+        let functions = basis.functions(&xi);
+        let reference = basis.physical_gradients(&xi);
+        let previous = block.deformation_gradient(point);
+        // The map from where the gradients are taken to the place of the iterate.
+        let mut map = if frame == Frame::Total { previous } else { Matrix3::identity() };
         for i in 0..N {
             for a in 0..D {
                 for b in 0..D {
-                    relative[(a, b)] += increments[i][a] * reference[i][b];
+                    map[(a, b)] += increments[i][a] * reference[i][b];
                 }
             }
         }
-        let inverse = match relative.try_inverse() {
-            Some(inverse) if relative.determinant() > 0.0 => inverse,
-            _ => return Err(inverted(block, point, &relative)),
+        let inverse = match map.try_inverse() {
+            Some(inverse) if map.determinant() > 0.0 => inverse,
+            _ => return Err(inverted(block, point, &map)),
         };
         let gradients =
             std::array::from_fn(|b| std::array::from_fn(|i| (0..D).map(|k| reference[i][k] * inverse[(k, b)]).sum()));
         let mut radius = 0.0;
         if kinematics == Kinematics::Axisymmetric {
-            let start: f64 = (0..N).map(|i| functions[i] * corners[i][0]).sum();
-            radius = start + (0..N).map(|i| functions[i] * increments[i][0]).sum::<f64>();
-            relative[(2, 2)] = radius / start;
+            let start = basis.position(&xi, &functions)[0];
+            let moved = (0..N).map(|i| functions[i] * increments[i][0]).sum::<f64>();
+            let radius_before = if frame == Frame::Total { map[(2, 2)] * start } else { start };
+            radius = radius_before + moved;
+            map[(2, 2)] = radius / start;
         }
-        let previous = block.deformation_gradient(point);
-        Ok(Self { functions, gradients, gradient: relative * previous, previous, radius })
+        let gradient = if frame == Frame::Total { map } else { map * previous };
+        Ok(Self { functions, gradients, gradient, previous, radius })
     }
 }
 
@@ -132,8 +138,9 @@ impl Integrator<'_> {
     /// # Errors
     /// An inverted deformation, or a law without an answer.
     #[inline(always)]
-    pub fn cell<S: CellShape<D, N>, const D: usize, const N: usize>(
+    pub fn cell<B: PlacedBasis<D, N>, const D: usize, const N: usize>(
         &self,
+        basis: &B,
         state: &CellState<D, N>,
         points: &[(u32, u32)],
         buffer: &mut CellBuffer,
@@ -146,13 +153,8 @@ impl Integrator<'_> {
             let mut deformations = [Deformation::from_gradient(Matrix3::identity()); CHUNK];
             let mut responses = [Response::default(); CHUNK];
             for (k, &(_, point)) in run.iter().enumerate() {
-                let at = PointKinematics::<D, N>::new::<S>(
-                    block,
-                    point as usize,
-                    self.kinematics,
-                    &state.corners,
-                    &state.increments,
-                )?;
+                let of_scene = (self.kinematics, self.frame);
+                let at = PointKinematics::<D, N>::new(basis, block, point as usize, of_scene, &state.increments)?;
                 deformations[k].gradient = at.gradient;
                 deformations[k].previous = at.previous;
                 deformations[k].time_step = self.time_step;
@@ -297,13 +299,13 @@ fn gather_states(block: &Block, run: &[(u32, u32)]) -> Vec<f64> {
     run.iter().flat_map(|&(_, point)| block.state.row(point as usize)).copied().collect()
 }
 
-fn inverted(block: &Block, point: usize, relative: &Matrix3<f64>) -> Failure {
+fn inverted(block: &Block, point: usize, map: &Matrix3<f64>) -> Failure {
     Failure::new(
         "the deformation of this step turns a material point inside out",
         "a smaller time step, smaller loads per step, or a finer grid",
     )
     .at(format!("material point {}", block.ids[point]), block.coordinates(point))
-    .detail(format!("J of this step = {:e}", relative.determinant()))
+    .detail(format!("J of the map = {:e}", map.determinant()))
     .detail(format!("J before this step = {:e}", block.deformation_gradient(point).determinant()))
     .detail(format!("law: {}", block.law.name()))
 }

@@ -6,18 +6,19 @@ mod kratos_faults;
 mod problem;
 mod transfer;
 
-use crate::active::{ActiveCells, active_dofs};
-use crate::grid::{GRID, write_nodal};
+use crate::active::ActiveCells;
+use crate::grid::GRID;
 use crate::loads::Loads;
 use crate::points::{Columns, MaterialPoints};
 use crate::scene::{Scene, move_conditions, with_points};
 use crate::settings::{Regime, SolverSettings};
+use crate::space::Space;
 use crate::variables::{ACCELERATION, DISPLACEMENT, NODAL_MASS, REACTION, VELOCITY};
 use bia_kernel::diagnostic::InputErrors;
 use bia_kernel::error::Error;
 use bia_kernel::io::json::JsonObject;
 use bia_kernel::linalg::{LinearSolver, solver};
-use bia_kernel::model::{Cells, Model, ModelPart};
+use bia_kernel::model::{Model, ModelPart};
 use bia_kernel::processes::{Clock, Context, Location, Process, Requirements, ResetNodes, RunOptions};
 use bia_kernel::registry::Registry;
 use bia_kernel::solving::solver::{Inventory, Solver};
@@ -103,16 +104,16 @@ impl Implicit {
         let before = std::mem::take(&mut self.active.cells);
         self.active.gather(&points.blocks, grid.elements.len());
         if before != self.active.cells || self.system.is_none() {
-            self.dofs = active_dofs(&grid.elements, grid.nodes.len(), &self.active.cells, points.dimension());
-            self.system = Some(system(&grid.elements, &self.active.cells, &self.dofs));
+            self.dofs = self.scene.space.active_dofs(&self.active.cells, points.dimension());
+            self.system = Some(system(&self.scene.space, &self.active.cells, &self.dofs));
         }
         Ok(())
     }
 
-    fn gather(&mut self, points: &MaterialPoints, grid: &ModelPart, time_step: f64) {
+    fn gather(&mut self, points: &MaterialPoints, time_step: f64) {
         let dynamic = self.dynamic();
         if dynamic || self.output.mass {
-            self.sums.gather(&points.blocks, &self.active, &grid.elements, &self.dofs, dynamic);
+            self.sums.gather(&points.blocks, &self.active, &self.scene.space, &self.dofs, dynamic);
         }
         self.inertia = dynamic.then(|| {
             let block = self.dofs.block();
@@ -166,11 +167,17 @@ impl Implicit {
         let block = self.dofs.block();
         self.increments.clear();
         self.increments.resize(self.dofs.order(), 0.0);
+        let space = &self.scene.space;
+        let (fixed, values) = (space.held(&fixed), space.at_anchors(values));
         for number in 0..self.dofs.nodes().len() {
-            let node = self.dofs.nodes()[number] as usize;
+            let function = self.dofs.nodes()[number] as usize;
             for a in 0..block {
-                self.increments[number * block + a] = values[node][a];
-                self.dofs.fixed_mut()[number * block + a] = fixed.get(node).is_some_and(|fixed| fixed[a]);
+                let held = fixed.get(function).is_some_and(|fixed| fixed[a]);
+                self.dofs.fixed_mut()[number * block + a] = held;
+                // The nodes know too little of the last step's functions of higher order to start from it.
+                if held || space.is_mesh() {
+                    self.increments[number * block + a] = values[function][a];
+                }
             }
         }
     }
@@ -184,14 +191,15 @@ impl Implicit {
         if !self.faults().piles_up_mass(self.scene.settings.regime) {
             column.fill(0.0);
         }
-        for (number, &node) in self.dofs.nodes().iter().enumerate() {
-            column[node as usize] += self.sums.mass[number];
-        }
+        let mass = &self.sums.mass;
+        self.scene.space.spread(&self.dofs, |number, node, share| column[node] += share * mass[number]);
     }
 
     fn problem<'a>(&'a self, points: &'a MaterialPoints, grid: &'a ModelPart, time_step: f64) -> Problem<'a> {
         Problem {
             grid,
+            space: &self.scene.space,
+            frame: self.scene.settings.discretisation.frame,
             points,
             active: &self.active,
             dofs: &self.dofs,
@@ -213,9 +221,12 @@ impl Implicit {
         let reactions: Vec<f64> = held.collect();
         self.system = Some(system);
         result?;
-        let count = grid.nodes.len();
-        grid.node_fields.vector_mut(&REACTION, count).fill([0.0; 3]);
-        write_nodal(grid, &self.dofs, &REACTION, &reactions);
+        let (count, block) = (grid.nodes.len(), self.dofs.block());
+        let column = grid.node_fields.vector_mut(&REACTION, count);
+        column.fill([0.0; 3]);
+        self.scene.space.spread(&self.dofs, |number, node, share| {
+            (0..block).for_each(|a| column[node][a] += share * reactions[number * block + a]);
+        });
         Ok(())
     }
 
@@ -248,7 +259,8 @@ impl Solver for Implicit {
             acceleration: wants("ACCELERATION"),
             reaction: self.scene.settings.reactions || (wants("REACTION") && !self.faults().hides_reactions()),
         };
-        let needed = Columns { motion: self.dynamic(), ..Columns::default() };
+        let moves = self.dynamic();
+        let needed = Columns { velocity: moves, acceleration: moves, local: true, ..Columns::default() };
         let symmetric = self.scene.make_points(model, requirements, needed)?;
         let linear = solver(self.scene.settings.linear_method(symmetric)?);
         self.linear = Some(self.faults().forgive(linear, symmetric));
@@ -273,7 +285,7 @@ impl Solver for Implicit {
         with_points(context.model, |points, grid| {
             this.timed(SEARCH, |this| this.update_active(points, grid))?;
             this.timed(TO_GRID, |this| {
-                this.gather(points, grid, time_step);
+                this.gather(points, time_step);
                 this.write_nodal_mass(grid);
                 this.predict_increments(grid);
             });
@@ -289,12 +301,12 @@ impl Solver for Implicit {
                 return Ok(StepReport::default());
             };
             if !this.told.idle_load {
-                let loads = Loads { grid, conditions: &points.conditions, axisymmetric: false };
-                if let Some(node) = loads.idle_node(&this.dofs) {
+                let space = &this.scene.space;
+                let loads = Loads { grid, space, conditions: &points.conditions, axisymmetric: false };
+                if let Some(place) = loads.idle_place(&this.dofs) {
                     this.told.idle_load = true;
-                    let (id, [x, y, z]) = (grid.nodes.ids[node as usize], grid.nodes.coordinates[node as usize]);
                     tracing::warn!(
-                        "a load acts on grid node {id} at ({x}, {y}, {z}), which no material point reaches: \
+                        "a load acts on {place}, which no material point reaches: \
                          that share of it has no effect, as in Kratos"
                     );
                 }
@@ -331,8 +343,10 @@ impl Solver for Implicit {
             let needs_residual = this.scene.settings.newton.criterion.as_ref().is_some_and(Criterion::needs_residual);
             let lags = this.faults().shows_old_volume(needs_residual);
             let of_volume = if lags { &this.assembled } else { &increments };
+            let space = &this.scene.space;
             let nodal = NodalResults {
-                grid,
+                space,
+                frame: this.scene.settings.discretisation.frame,
                 dofs: &this.dofs,
                 increments: &increments,
                 increments_of_volume: of_volume,
@@ -344,13 +358,13 @@ impl Solver for Implicit {
             update_points(points, &nodal)?;
             let least = nodal.least_function;
             let velocities = this.inertia.as_ref().map_or(Vec::new(), |i| i.final_velocity(&increments));
-            move_conditions(&mut points.conditions, grid, &this.dofs, [&increments, &velocities], least);
-            write_nodal(grid, &this.dofs, &DISPLACEMENT, &increments);
+            move_conditions(&mut points.conditions, space, &this.dofs, [&increments, &velocities], least);
+            space.write_field(grid, &this.dofs, &DISPLACEMENT, &increments);
             if this.output.velocity && this.dynamic() {
-                write_nodal(grid, &this.dofs, &VELOCITY, &velocities);
+                space.write_field(grid, &this.dofs, &VELOCITY, &velocities);
             }
             if this.output.acceleration && this.dynamic() {
-                write_nodal(grid, &this.dofs, &ACCELERATION, &accelerations);
+                space.write_field(grid, &this.dofs, &ACCELERATION, &accelerations);
             }
             if this.faults().ignores_imposed(this.scene.settings.regime) {
                 let count = grid.nodes.len();
@@ -392,10 +406,10 @@ impl Solver for Implicit {
 }
 
 /// The system that couples the nodes of each active cell.
-fn system(grid: &Cells, cells: &[u32], dofs: &ActiveDofs) -> System {
+fn system(space: &Space, cells: &[u32], dofs: &ActiveDofs) -> System {
     let (mut numbers, mut starts) = (Vec::new(), vec![0]);
     for &cell in cells {
-        let of_cell = grid.nodes_of(cell as usize).iter().filter_map(|&node| dofs.number(node));
+        let of_cell = space.nodes_of(cell as usize).iter().filter_map(|&node| dofs.number(node));
         numbers.extend(of_cell.map(|number| number as u32));
         starts.push(numbers.len() as u32);
     }

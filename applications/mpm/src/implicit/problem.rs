@@ -4,11 +4,12 @@ use super::element::{CellState, CellTask, Integrator};
 use super::kratos_faults::KratosFaults;
 use super::transfer::NodalSums;
 use crate::active::ActiveCells;
-use crate::grid::{corners, nodal_vectors, with_shape};
+use crate::grid::nodal_vectors;
 use crate::loads::Loads;
 use crate::points::MaterialPoints;
+use crate::settings::Frame;
+use crate::space::{Space, with_basis};
 use bia_kernel::error::{Error, Failure};
-use bia_kernel::geometry::{Hexahedron8, Line2, Quadrilateral4, Shape, Tetrahedron4, Triangle3};
 use bia_kernel::model::ModelPart;
 use bia_kernel::solving::scheme::Coefficients;
 use bia_kernel::solving::{ActiveDofs, CellBuffer, NonlinearSystem, System};
@@ -54,6 +55,10 @@ impl Inertia {
 pub struct Problem<'a> {
     /// The grid.
     pub grid: &'a ModelPart,
+    /// Its functions.
+    pub space: &'a Space,
+    /// Where they are evaluated.
+    pub frame: Frame,
     /// The points.
     pub points: &'a MaterialPoints,
     /// Cells with points.
@@ -86,15 +91,14 @@ impl Problem<'_> {
         with_matrix: bool,
     ) -> Result<(), Failure> {
         let cell = self.active.cells[index] as usize;
-        let nodes = self.grid.elements.nodes_of(cell);
-        with_shape!(self.grid.elements.shapes[cell], |S, D, N| {
+        let nodes = self.space.nodes_of(cell);
+        with_basis!(self.space, cell, |basis, D, N| {
             let state = CellState::<D, N> {
-                corners: corners(self.grid, nodes),
                 increments: nodal_vectors(self.dofs, nodes, &self.increments),
                 inertia: nodal_vectors(self.dofs, nodes, weighted),
             };
             let points = self.active.points(index);
-            let task = CellTask::<S, D, N> { integrator, state: &state, points, buffer, with_matrix, shape: std::marker::PhantomData };
+            let task = CellTask::<_, D, N> { integrator, state: &state, points, buffer, with_matrix, basis };
             self.arch.dispatch(task)
         }, else Ok(()))
     }
@@ -114,6 +118,7 @@ impl NonlinearSystem for Problem<'_> {
         let integrator = Integrator {
             blocks: &self.points.blocks,
             kinematics: self.points.kinematics,
+            frame: self.frame,
             time_step: self.time_step,
             faults: self.faults,
             consistent_mass: consistent.map(factor),
@@ -133,7 +138,7 @@ impl NonlinearSystem for Problem<'_> {
             }
         }
         let axisymmetric = self.points.kinematics == bia_constitutive::Kinematics::Axisymmetric;
-        let loads = Loads { grid: self.grid, conditions: &self.points.conditions, axisymmetric };
+        let loads = Loads { grid: self.grid, space: self.space, conditions: &self.points.conditions, axisymmetric };
         loads.add(self.dofs, &self.increments, &mut system.rhs);
         Ok(())
     }
@@ -148,8 +153,8 @@ impl NonlinearSystem for Problem<'_> {
 
     fn describe_dof(&self, dof: usize) -> (String, [f64; 3]) {
         let (node, component) = self.dofs.node_of(dof);
-        let id = self.grid.nodes.ids[node as usize];
         let axis = ["X", "Y", "Z"][component];
-        (format!("DISPLACEMENT_{axis} of grid node {id}"), self.grid.nodes.coordinates[node as usize])
+        let name = format!("DISPLACEMENT_{axis} of {}", self.space.describe(self.grid, node));
+        (name, self.space.position(node as usize))
     }
 }

@@ -2,12 +2,13 @@
 
 use super::element::PointKinematics;
 use crate::active::{ActiveCells, NO_CELL};
-use crate::grid::{corners, nodal_vectors, with_shape};
+use crate::grid::nodal_vectors;
 use crate::points::{Block, MaterialPoints, compress, law_failure};
+use crate::settings::Frame;
+use crate::space::{Space, with_basis};
 use bia_constitutive::{Deformation, Kinematics, Response, Want};
 use bia_kernel::error::Failure;
-use bia_kernel::geometry::{CellShape, Hexahedron8, Line2, Quadrilateral4, Shape, Tetrahedron4, Triangle3};
-use bia_kernel::model::{Cells, ModelPart};
+use bia_kernel::geometry::PlacedBasis;
 use bia_kernel::solving::ActiveDofs;
 use bia_kernel::solving::ordered::in_order;
 use rayon::prelude::*;
@@ -35,7 +36,7 @@ impl NodalSums {
         &mut self,
         blocks: &[Block],
         active: &ActiveCells,
-        grid: &Cells,
+        space: &Space,
         dofs: &ActiveDofs,
         with_motion: bool,
     ) {
@@ -51,18 +52,18 @@ impl NodalSums {
         let compute = |index: usize, buffer: &mut Vec<f64>| {
             let cell = active.cells[index] as usize;
             buffer.clear();
-            buffer.resize(width * grid.nodes_of(cell).len(), 0.0);
+            buffer.resize(width * space.nodes_of(cell).len(), 0.0);
             for &(block, point) in active.points(index) {
                 let block = &blocks[block as usize];
-                with_shape!(grid.shapes[cell], |S, D, N| {
-                    add_point::<S, D, N>(block, point as usize, with_motion, buffer);
+                with_basis!(space, cell, |basis, D, N| {
+                    add_point::<_, D, N>(&basis, block, point as usize, with_motion, buffer);
                 }, else ());
             }
             Ok::<(), ()>(())
         };
         let (mass, momentum, inertia) = (&mut self.mass, &mut self.momentum, &mut self.inertia);
         let add = |index: usize, buffer: &Vec<f64>| {
-            for (i, &node) in grid.nodes_of(active.cells[index] as usize).iter().enumerate() {
+            for (i, &node) in space.nodes_of(active.cells[index] as usize).iter().enumerate() {
                 let Some(number) = dofs.number(node) else { continue };
                 mass[number] += buffer[i * width];
                 if with_motion {
@@ -78,13 +79,14 @@ impl NodalSums {
     }
 }
 
-fn add_point<S: CellShape<D, N>, const D: usize, const N: usize>(
+fn add_point<B: PlacedBasis<D, N>, const D: usize, const N: usize>(
+    basis: &B,
     block: &Block,
     point: usize,
     with_motion: bool,
     buffer: &mut [f64],
 ) {
-    let functions = S::functions(&block.local.get::<D>(point));
+    let functions = basis.functions(&block.local.get::<D>(point));
     let mass = block.mass.get::<1>(point)[0];
     if !with_motion {
         for i in 0..N {
@@ -106,8 +108,10 @@ fn add_point<S: CellShape<D, N>, const D: usize, const N: usize>(
 
 /// Nodal results of a step, as the points see them.
 pub struct NodalResults<'a> {
-    /// The grid.
-    pub grid: &'a ModelPart,
+    /// The grid's functions.
+    pub space: &'a Space,
+    /// Where they are evaluated.
+    pub frame: Frame,
     /// Numbers of the active nodes.
     pub dofs: &'a ActiveDofs,
     /// Displacement increments.
@@ -168,27 +172,28 @@ fn update(block: &Block, point: usize, kinematics: Kinematics, nodal: &NodalResu
     if cell == NO_CELL {
         return Ok(rest);
     }
-    with_shape!(nodal.grid.elements.shapes[cell as usize], |S, D, N| {
-        update_in::<S, D, N>(block, point, kinematics, nodal, rest)
+    with_basis!(nodal.space, cell as usize, |basis, D, N| {
+        update_in::<_, D, N>(&basis, block, point, kinematics, nodal, rest)
     }, else Ok(rest))
 }
 
-fn update_in<S: CellShape<D, N>, const D: usize, const N: usize>(
+fn update_in<B: PlacedBasis<D, N>, const D: usize, const N: usize>(
+    basis: &B,
     block: &Block,
     point: usize,
     kinematics: Kinematics,
     nodal: &NodalResults,
     mut update: Update,
 ) -> Result<Update, Failure> {
-    let nodes = nodal.grid.elements.nodes_of(block.cell[point] as usize);
-    let corners = corners::<D, N>(nodal.grid, nodes);
+    let nodes = nodal.space.nodes_of(block.cell[point] as usize);
+    let of_scene = (kinematics, nodal.frame);
     let increments = nodal_vectors::<D, N>(nodal.dofs, nodes, nodal.increments);
-    let at = PointKinematics::<D, N>::new::<S>(block, point, kinematics, &corners, &increments)?;
+    let at = PointKinematics::<D, N>::new(basis, block, point, of_scene, &increments)?;
     update.deformation.gradient = at.gradient;
     update.volume_ratio = at.gradient.determinant();
     if !std::ptr::eq(nodal.increments, nodal.increments_of_volume) {
         let increments = nodal_vectors::<D, N>(nodal.dofs, nodes, nodal.increments_of_volume);
-        let earlier = PointKinematics::<D, N>::new::<S>(block, point, kinematics, &corners, &increments)?;
+        let earlier = PointKinematics::<D, N>::new(basis, block, point, of_scene, &increments)?;
         update.volume_ratio = earlier.gradient.determinant();
     }
     let accelerations = nodal_vectors::<D, N>(nodal.dofs, nodes, nodal.accelerations);

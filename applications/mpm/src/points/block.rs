@@ -6,13 +6,18 @@ use bia_kernel::error::Failure;
 use bia_kernel::variables::Column;
 use nalgebra::Matrix3;
 
-/// Which columns a scene needs beside position, mass, cell and deformation gradient.
+/// Which columns a scene needs beside id, cell, position, mass, deformation gradient and what the law
+/// keeps.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Columns {
     /// Displacement since the start.
     pub displacement: bool,
-    /// Velocity and acceleration.
-    pub motion: bool,
+    /// Velocity.
+    pub velocity: bool,
+    /// Acceleration.
+    pub acceleration: bool,
+    /// Local coordinates in the cell.
+    pub local: bool,
     /// Cauchy stress.
     pub stress: bool,
     /// Strain in the measure of the law.
@@ -41,11 +46,13 @@ pub struct Block {
     pub gravity: [f64; 3],
     /// Body force per mass in m/s² of each point beside gravity, if used.
     pub body_acceleration: Column,
-    /// Ids, ascending.
+    /// Ids, each once. In what order the points stand is the solver's choice, which may sort them by
+    /// cell ([`Block::reorder`]); whoever writes them out goes by [`Block::in_order_of_id`] or
+    /// [`MaterialPoints::by_id`].
     pub ids: Vec<u32>,
     /// Background cell of each point.
     pub cell: Vec<u32>,
-    /// Local coordinates in that cell.
+    /// Local coordinates in that cell, if used.
     pub local: Column,
     /// Position in m.
     pub position: Column,
@@ -153,9 +160,55 @@ impl Block {
         ]
     }
 
+    /// Makes room for so many points in the columns that points are pushed to.
+    pub fn reserve(&mut self, points: usize) {
+        self.ids.reserve_exact(points);
+        self.cell.reserve_exact(points);
+        for column in [&mut self.local, &mut self.position, &mut self.mass] {
+            column.reserve(points);
+        }
+    }
+
     /// Bytes of all columns, ids and cells.
     pub fn bytes(&self) -> usize {
         self.columns().iter().map(|(_, column)| column.bytes()).sum::<usize>() + 8 * self.len()
+    }
+
+    /// Brings the points into another order: place k then holds what was at `order[k]`, a
+    /// permutation of all points.
+    ///
+    /// # Panics
+    /// `order` is shorter than the block, or names a point beyond it.
+    pub fn reorder(&mut self, order: &[u32], scratch: &mut Scratch) {
+        let old = &mut scratch.indices;
+        for indices in [&mut self.ids, &mut self.cell] {
+            old.clear();
+            old.extend_from_slice(indices);
+            indices.iter_mut().zip(order).for_each(|(index, &from)| *index = old[from as usize]);
+        }
+        for column in self.columns_mut() {
+            column.reorder(order, &mut scratch.numbers);
+        }
+    }
+
+    /// The points ascending by id.
+    pub fn in_order_of_id(&self) -> Vec<u32> {
+        let mut order: Vec<u32> = (0..self.len() as u32).collect();
+        if self.ids.is_sorted() {
+            return order;
+        }
+        let (first, last) = self.ids.iter().fold((u32::MAX, 0), |(low, high), &id| (low.min(id), high.max(id)));
+        let span = (last - first) as usize + 1;
+        if span > 8 * self.len() {
+            order.sort_unstable_by_key(|&point| self.ids[point as usize]);
+            return order;
+        }
+        // Ids have few gaps, so a table of all of them is shorter work than a sort.
+        let mut places = vec![u32::MAX; span];
+        self.ids.iter().enumerate().for_each(|(point, &id)| places[(id - first) as usize] = point as u32);
+        order.clear();
+        order.extend(places.into_iter().filter(|&point| point != u32::MAX));
+        order
     }
 
     /// Keeps the points for which `keep` holds, in their order.
@@ -168,6 +221,13 @@ impl Block {
             column.retain(keep);
         }
     }
+}
+
+/// Memory for [`Block::reorder`], kept from call to call.
+#[derive(Debug, Default)]
+pub struct Scratch {
+    numbers: Vec<f64>,
+    indices: Vec<u32>,
 }
 
 /// Numbers of a stored deformation gradient.
@@ -265,12 +325,14 @@ impl MaterialPoints {
 
     /// (block, point) of the selected points, ascending by id.
     pub fn by_id(&self, selection: Selection) -> Vec<(u32, u32)> {
-        let blocks = || self.blocks.iter().enumerate().filter(|(_, block)| selection.holds(block.body));
-        let mut order: Vec<(u32, u32)> =
-            blocks().flat_map(|(b, block)| (0..block.len() as u32).map(move |p| (b as u32, p))).collect();
+        let blocks = self.blocks.iter().enumerate().filter(|(_, block)| selection.holds(block.body));
+        let mut order: Vec<(u32, u32)> = Vec::with_capacity(self.len());
+        for (b, block) in blocks {
+            order.extend(block.in_order_of_id().into_iter().map(|p| (b as u32, p)));
+        }
         let id = |&(b, p): &(u32, u32)| self.blocks[b as usize].ids[p as usize];
         if !order.is_sorted_by_key(id) {
-            order.sort_by_key(id);
+            order.sort_by_key(id); // which merges the blocks' runs
         }
         order
     }

@@ -7,8 +7,8 @@ use super::conditions::PointConditions;
 const POINT_VARIABLES: &[(&str, Columns)] = &[
     ("MP_COORD", NONE),
     ("MP_DISPLACEMENT", Columns { displacement: true, ..NONE }),
-    ("MP_VELOCITY", Columns { motion: true, ..NONE }),
-    ("MP_ACCELERATION", Columns { motion: true, ..NONE }),
+    ("MP_VELOCITY", Columns { velocity: true, ..NONE }),
+    ("MP_ACCELERATION", Columns { acceleration: true, ..NONE }),
     ("MP_VOLUME_ACCELERATION", NONE),
     // Its functions may depend on the initial position, hence the displacement.
     (BODY_ACCELERATION, Columns { body_acceleration: true, displacement: true, ..NONE }),
@@ -19,7 +19,7 @@ const POINT_VARIABLES: &[(&str, Columns)] = &[
     ("MP_DENSITY", Columns { volume: true, ..NONE }),
     ("MP_MATERIAL_ID", NONE),
     ("MP_POTENTIAL_ENERGY", NONE),
-    ("MP_KINETIC_ENERGY", Columns { motion: true, ..NONE }),
+    ("MP_KINETIC_ENERGY", Columns { velocity: true, ..NONE }),
     ("MP_STRAIN_ENERGY", ENERGY),
     ("MP_TOTAL_ENERGY", ENERGY),
 ];
@@ -27,7 +27,9 @@ const POINT_VARIABLES: &[(&str, Columns)] = &[
 pub const BODY_ACCELERATION: &str = "MP_BODY_ACCELERATION";
 const NONE: Columns = Columns {
     displacement: false,
-    motion: false,
+    velocity: false,
+    acceleration: false,
+    local: false,
     stress: false,
     strain: false,
     volume: false,
@@ -36,9 +38,9 @@ const NONE: Columns = Columns {
 /// The strain is written where the stress is.
 const STRESS_AND_STRAIN: Columns = Columns { stress: true, strain: true, ..NONE };
 /// What the energies need.
-pub const ENERGY: Columns = Columns { motion: true, stress: true, strain: true, volume: true, ..NONE };
+pub const ENERGY: Columns = Columns { velocity: true, stress: true, strain: true, volume: true, ..NONE };
 /// What the account of a run shows.
-pub const RECORD: Columns = ENERGY.or(Columns { displacement: true, ..NONE });
+pub const RECORD: Columns = ENERGY.or(Columns { displacement: true, acceleration: true, ..NONE });
 
 /// Variables of material-point conditions.
 pub const CONDITION_VARIABLES: &[&str] =
@@ -60,7 +62,9 @@ impl Columns {
     pub const fn or(self, other: Columns) -> Columns {
         Columns {
             displacement: self.displacement || other.displacement,
-            motion: self.motion || other.motion,
+            velocity: self.velocity || other.velocity,
+            acceleration: self.acceleration || other.acceleration,
+            local: self.local || other.local,
             stress: self.stress || other.stress,
             strain: self.strain || other.strain,
             volume: self.volume || other.volume,
@@ -148,12 +152,12 @@ pub fn energies(block: &Block, point: usize) -> Energies {
     }
 }
 
-/// Energies of the selected points.
+/// Energies of the selected points, summed in the order of their ids.
 pub fn total_energies(points: &MaterialPoints, selection: Selection) -> Energies {
     let mut sum = Energies::default();
     for block in points.blocks.iter().filter(|block| selection.holds(block.body)) {
-        for point in 0..block.len() {
-            let of_point = energies(block, point);
+        for point in block.in_order_of_id() {
+            let of_point = energies(block, point as usize);
             sum.potential += of_point.potential;
             sum.kinetic += of_point.kinetic;
             sum.strain += of_point.strain;

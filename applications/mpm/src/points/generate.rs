@@ -1,10 +1,12 @@
 //! Generation of material points from the body mesh (spec 02 §1-2).
 
-use super::block::{Block, Columns, MaterialPoints, gradient_width};
+use super::block::{Block, Columns, MaterialPoints, compress, gradient_width};
 use super::conditions::PointConditions;
+use super::layout::Layout;
+use crate::settings::Placement;
 use bia_constitutive::{BodyMaterial, BuiltLaw, Catalogue, Kinematics, Options};
 use bia_kernel::diagnostic::{Diagnostic, InputErrors, Place};
-use bia_kernel::geometry::{CellLocator, QuadraturePoint, rule};
+use bia_kernel::geometry::CellLocator;
 use bia_kernel::io::mdpa;
 use bia_kernel::model::{ModelPart, Properties, kratos_order};
 use bia_kernel::variables::Column;
@@ -27,6 +29,8 @@ pub struct Plan<'a> {
     pub kinematics: Kinematics,
     /// The points have inertia.
     pub dynamic: bool,
+    /// Where the cells of the bodies hold their points.
+    pub placement: Placement,
     /// Columns to allocate.
     pub columns: Columns,
     /// Reproduce Kratos to round-off.
@@ -41,21 +45,27 @@ pub struct Plan<'a> {
 
 impl Plan<'_> {
     /// Where a body element stands.
-    fn place(&self, element: usize) -> Place {
+    pub fn place(&self, element: usize) -> Place {
         let id = self.bodies.elements.ids[element];
         self.file.map_or_else(Place::default, |file| mdpa::place_of(file, mdpa::Category::Element, id))
     }
 }
 
-/// Makes the points of all bodies: one for each integration point of each element that belongs to
-/// a first-level part, with Kratos's ids, in Kratos's order.
+/// Elements of one body, one after the other, that have the same material and the same shape.
+struct Run<'a> {
+    elements: &'a [u32],
+    block: usize,
+    layout: usize,
+}
+
+/// Makes the points of all bodies: one for each place in each element that belongs to a first-level
+/// part, with Kratos's ids, in Kratos's order.
 ///
 /// # Errors
 /// Elements without material, constants at fault, a number of points that the shape does not
 /// have, points outside the grid: all together.
 pub fn generate(plan: &Plan) -> Result<MaterialPoints, InputErrors> {
     let mut errors = InputErrors::default();
-    let names: Vec<&str> = plan.bodies.children.iter().map(|child| child.name.as_str()).collect();
     let mut points = MaterialPoints {
         name: plan.part.into(),
         kinematics: plan.kinematics,
@@ -66,42 +76,22 @@ pub fn generate(plan: &Plan) -> Result<MaterialPoints, InputErrors> {
         lost: 0,
         lost_mass: 0.0,
     };
+    let mut layouts = Vec::new();
+    let runs = runs(plan, &mut points, &mut layouts, &mut errors);
     let cells = plan.grid.elements.len() + plan.bodies.elements.len();
-    let mut next_id = plan.grid.nodes.len().max(cells) as u32 + 1;
+    let first_id = plan.grid.nodes.len().max(cells) + 1;
+    let mut counts = vec![0; points.blocks.len()];
+    runs.iter().for_each(|run| counts[run.block] += run.elements.len() * layouts[run.layout].places.len());
+    if u32::try_from(first_id + counts.iter().sum::<usize>()).is_err() {
+        let message = format!("{:e} material points are more than ids can count", counts.iter().sum::<usize>() as f64);
+        return Err(Diagnostic::error(Default::default(), message).into());
+    }
+    points.blocks.iter_mut().zip(counts).for_each(|(block, count)| block.reserve(count));
+    let mut next_id = first_id as u32;
     let mut outside = Outside::default();
-    let mut refused: Vec<u32> = Vec::new();
-    for index in kratos_order(&names) {
-        let body = points.bodies.len();
-        points.bodies.push(names[index].into());
-        let first_block = points.blocks.len();
-        for &element in &plan.bodies.children[index].elements {
-            let material = plan.bodies.elements.properties[element as usize];
-            if refused.contains(&material) {
-                continue; // one message for a material is enough
-            }
-            let mut of_body = points.blocks[first_block..].iter();
-            let block = match of_body.position(|block| block.material == material) {
-                Some(position) => &mut points.blocks[first_block + position],
-                None => {
-                    let Some(block) = errors.absorb(new_block(plan, body, material, element)) else {
-                        // Its number of points may be at fault, too.
-                        let of_material = plan.materials.iter().find(|m| m.properties.id == material);
-                        let count = of_material.and_then(|m| m.properties.number("MATERIAL_POINTS_PER_ELEMENT"));
-                        if count.is_some_and(|count| count > 0.0) {
-                            errors.absorb(integration(plan, material, element as usize));
-                        }
-                        refused.push(material);
-                        continue;
-                    };
-                    points.blocks.push(block);
-                    let last = points.blocks.len() - 1;
-                    &mut points.blocks[last]
-                }
-            };
-            if errors.absorb(add_element(plan, block, element as usize, &mut next_id, &mut outside)).is_none() {
-                refused.push(material);
-            }
-        }
+    for run in &runs {
+        let block = &mut points.blocks[run.block];
+        errors.absorb(add_run(plan, block, &layouts[run.layout], run.elements, &mut next_id, &mut outside));
     }
     if let Some(diagnostic) = outside.diagnostic(plan) {
         errors.push(diagnostic);
@@ -111,10 +101,57 @@ pub fn generate(plan: &Plan) -> Result<MaterialPoints, InputErrors> {
         let help = "each element of a body must belong to a sub model part of the first level";
         errors.push(Diagnostic::error(Default::default(), message).help(help));
     }
-    for block in &mut points.blocks {
-        finish(block, plan);
-    }
+    points.blocks.iter_mut().for_each(|block| allocate(block, plan));
     errors.or(points)
+}
+
+/// Sorts the elements of all bodies into runs, and makes the blocks and layouts that they need.
+fn runs<'a>(
+    plan: &Plan<'a>,
+    points: &mut MaterialPoints,
+    layouts: &mut Vec<Layout>,
+    errors: &mut InputErrors,
+) -> Vec<Run<'a>> {
+    let mut runs = Vec::new();
+    let mut refused: Vec<u32> = Vec::new(); // one message for a material is enough
+    let names: Vec<&str> = plan.bodies.children.iter().map(|child| child.name.as_str()).collect();
+    let (materials, shapes) = (&plan.bodies.elements.properties, &plan.bodies.elements.shapes);
+    let kind = |element: u32| (materials[element as usize], shapes[element as usize]);
+    for index in kratos_order(&names) {
+        let body = points.bodies.len();
+        points.bodies.push(names[index].into());
+        for elements in plan.bodies.children[index].elements.chunk_by(|a, b| kind(*a) == kind(*b)) {
+            let (material, shape) = kind(elements[0]);
+            if refused.contains(&material) {
+                continue;
+            }
+            let known = points.blocks.iter().position(|block| block.body == body && block.material == material);
+            let block = known.or_else(|| {
+                points.blocks.push(errors.absorb(new_block(plan, body, material, elements[0]))?);
+                Some(points.blocks.len() - 1)
+            });
+            // Where the block is at fault, its number of points may be, too.
+            let checked = block.is_some() || has_count(plan, material);
+            let known = layouts.iter().position(|layout| layout.material == material && layout.shape == shape);
+            let layout = known.or_else(|| {
+                let layout = checked.then(|| Layout::new(plan, material, elements[0] as usize))?;
+                layouts.push(errors.absorb(layout)?);
+                Some(layouts.len() - 1)
+            });
+            match (block, layout) {
+                (Some(block), Some(layout)) => runs.push(Run { elements, block, layout }),
+                _ => refused.push(material),
+            }
+        }
+    }
+    runs
+}
+
+/// Whether a material says how many points there are.
+fn has_count(plan: &Plan, id: u32) -> bool {
+    let material = plan.materials.iter().find(|m| m.properties.id == id);
+    let count = material.and_then(|m| m.properties.number("MATERIAL_POINTS_PER_ELEMENT"));
+    count.is_some_and(|count| count > 0.0)
 }
 
 /// Points that lie in no cell of the grid.
@@ -141,7 +178,11 @@ impl Outside {
     }
 }
 
-fn material_of<'a>(plan: &'a Plan, id: u32, element: u32) -> Result<&'a BodyMaterial, InputErrors> {
+/// The material of a body element.
+///
+/// # Errors
+/// It has none.
+pub fn material_of<'a>(plan: &'a Plan, id: u32, element: u32) -> Result<&'a BodyMaterial, InputErrors> {
     plan.materials.iter().find(|m| m.properties.id == id).ok_or_else(|| {
         let id = plan.bodies.elements.ids[element as usize];
         let names: Vec<String> = plan.bodies.paths();
@@ -177,7 +218,7 @@ fn new_block(plan: &Plan, body: usize, id: u32, element: u32) -> Result<Block, I
             body_acceleration: Column::default(),
             ids: Vec::new(),
             cell: Vec::new(),
-            local: Column::new(kinematics.dimension(), 0),
+            local: Column::new(if plan.columns.local { kinematics.dimension() } else { 0 }, 0),
             position: Column::new(kinematics.dimension(), 0),
             displacement: Column::default(),
             velocity: Column::default(),
@@ -207,105 +248,80 @@ fn density(properties: &Properties) -> f64 {
     properties.number("DENSITY").unwrap_or(f64::NAN)
 }
 
-/// The integration points of an element that become material points.
-///
-/// # Errors
-/// A shape that does not fit the kinematics, a number of points that the shape does not have.
-fn integration(plan: &Plan, id: u32, element: usize) -> Result<Vec<QuadraturePoint>, InputErrors> {
-    let elements = &plan.bodies.elements;
-    let material = material_of(plan, id, element as u32)?;
-    let shape = elements.shapes[element];
-    if shape.dimension() != plan.kinematics.dimension() {
-        let message = format!(
-            "body element {} is a {}, which does not fit {}",
-            elements.ids[element],
-            shape.name(),
-            plan.kinematics
-        );
-        let diagnostic = Diagnostic::error(plan.place(element), message);
-        return Err(diagnostic.help("check domain_size and the element names").into());
-    }
-    let wanted = material.properties.number("MATERIAL_POINTS_PER_ELEMENT").unwrap_or(0.0);
-    let points = if wanted.fract() == 0.0 { rule(shape, wanted as usize).ok() } else { None };
-    points.ok_or_else(|| {
-        let counts = bia_kernel::geometry::allowed_counts(shape).iter().map(ToString::to_string).collect::<Vec<_>>();
-        let place = material.place_of(Some("MATERIAL_POINTS_PER_ELEMENT"));
-        let message = format!("MATERIAL_POINTS_PER_ELEMENT is {wanted}, which a {} does not have", shape.name());
-        place.error(message).help(format!("allowed: {}", counts.join(", "))).into()
-    })
-}
-
-/// Adds the points of one element with position, mass, cell and local coordinates.
-fn add_element(
+/// Adds the points of some elements with position, mass, cell and local coordinates.
+fn add_run(
     plan: &Plan,
     block: &mut Block,
-    element: usize,
+    layout: &Layout,
+    elements: &[u32],
     next_id: &mut u32,
     outside: &mut Outside,
 ) -> Result<(), InputErrors> {
-    let elements = &plan.bodies.elements;
-    let material = material_of(plan, block.material, element as u32)?;
-    let shape = elements.shapes[element];
-    let points = integration(plan, block.material, element)?;
-    let mut corners = plan.bodies.corners(elements, element);
-    if plan.kinematics.dimension() == 2 {
-        // A plane scene lies at z = 0, whatever the file says.
-        corners.iter_mut().for_each(|corner| corner[2] = 0.0);
-    }
-    let mut functions = vec![0.0; corners.len()];
-    for point in &points {
-        shape.functions(point.xi, &mut functions);
-        let x: [f64; 3] = std::array::from_fn(|i| functions.iter().zip(&corners).map(|(n, c)| n * c[i]).sum());
-        let mut volume = point.weight * shape.jacobian_determinant(&corners, point.xi);
-        if let Some(across) = across(plan.kinematics) {
-            volume *= material.properties.number(across).unwrap_or(1.0);
-        }
-        if plan.kinematics == Kinematics::Axisymmetric {
-            if x[0] <= 0.0 {
-                let id = elements.ids[element];
-                let message = format!("body element {id} has a material point at the negative radius {}", x[0]);
-                let help = "an axisymmetric body lies at x >= 0; y is the axis";
-                return Err(Diagnostic::error(plan.place(element), message).help(help).into());
+    let material = material_of(plan, block.material, elements[0])?;
+    let extent = across(plan.kinematics).and_then(|name| material.properties.number(name)).unwrap_or(1.0);
+    let (flat, ring) = (plan.kinematics.dimension() == 2, plan.kinematics == Kinematics::Axisymmetric);
+    let mut corners = [[0.0; 3]; 8];
+    for &element in elements {
+        let nodes = plan.bodies.elements.nodes_of(element as usize);
+        for (corner, &node) in corners.iter_mut().zip(nodes) {
+            *corner = plan.bodies.nodes.coordinates[node as usize];
+            if flat {
+                // A plane scene lies at z = 0, whatever the file says.
+                corner[2] = 0.0;
             }
-            volume *= TAU * x[0];
         }
-        let id = *next_id;
-        *next_id += 1;
-        let Some((cell, xi)) = plan.locator.locate(x, None) else {
-            outside.count += 1;
-            outside.first.get_or_insert((x, element));
-            continue;
-        };
-        block.ids.push(id);
-        block.cell.push(cell);
-        block.local.push(&xi);
-        block.position.push(&x);
-        block.mass.push(&[volume * block.density]);
+        for place in &layout.places {
+            let x = place.table.position(&corners[..nodes.len()]);
+            let mut volume = place.weight * place.table.jacobian_determinant(&corners[..nodes.len()]) * extent;
+            if ring {
+                if x[0] <= 0.0 {
+                    return Err(negative_radius(plan, element as usize, x[0]));
+                }
+                volume *= TAU * x[0];
+            }
+            let id = *next_id;
+            *next_id += 1;
+            let Some((cell, xi)) = plan.locator.locate(x, None) else {
+                outside.count += 1;
+                outside.first.get_or_insert((x, element as usize));
+                continue;
+            };
+            block.ids.push(id);
+            block.cell.push(cell);
+            block.local.push(&xi);
+            block.position.push(&x);
+            block.mass.push(&[volume * block.density]);
+        }
     }
     Ok(())
 }
 
+fn negative_radius(plan: &Plan, element: usize, radius: f64) -> InputErrors {
+    let id = plan.bodies.elements.ids[element];
+    let message = format!("body element {id} has a material point at the negative radius {radius}");
+    let help = "an axisymmetric body lies at x >= 0; y is the axis";
+    Diagnostic::error(plan.place(element), message).help(help).into()
+}
+
 /// Allocates the other columns.
-fn finish(block: &mut Block, plan: &Plan) {
+fn allocate(block: &mut Block, plan: &Plan) {
     let (count, dimension, columns) = (block.len(), plan.kinematics.dimension(), plan.columns);
     let column = |width: usize, used: bool| if used { Column::new(width, count) } else { Column::default() };
     let voigt = plan.kinematics.voigt().len();
     block.displacement = column(dimension, columns.displacement);
-    block.velocity = column(dimension, columns.motion);
-    block.acceleration = column(dimension, columns.motion);
+    block.velocity = column(dimension, columns.velocity);
+    block.acceleration = column(dimension, columns.acceleration);
     block.stress = column(voigt, columns.stress);
     block.strain = column(voigt, columns.strain || block.law.uses_strain());
-    block.volume = column(1, columns.volume);
     block.body_acceleration = column(dimension, columns.body_acceleration);
     if columns.volume {
-        for point in 0..count {
-            block.volume.set(point, [block.mass.row(point)[0] / block.density]);
-        }
+        block.volume = block.mass.clone();
+        block.volume.values_mut().iter_mut().for_each(|volume| *volume /= block.density);
     }
-    block.gradient = Column::new(gradient_width(plan.kinematics), count);
-    for point in 0..count {
-        super::block::compress(&nalgebra::Matrix3::identity(), block.gradient.row_mut(point));
-    }
-    block.state = Column::new(block.law.state_len(), count);
+    let width = gradient_width(plan.kinematics);
+    let mut undeformed = vec![0.0; width];
+    compress(&nalgebra::Matrix3::identity(), &mut undeformed);
+    block.gradient = Column::repeated(&undeformed, count);
+    block.state = column(block.law.state_len(), true);
     block.law.initial_state(block.state.values_mut());
 }

@@ -4,6 +4,7 @@ mod block;
 pub mod conditions;
 pub mod fields;
 mod generate;
+mod layout;
 
-pub use block::{Block, Columns, MaterialPoints, Selection, compress, expand, gradient_width, law_failure};
+pub use block::{Block, Columns, MaterialPoints, Scratch, Selection, compress, expand, gradient_width, law_failure};
 pub use generate::{Plan, across, generate};

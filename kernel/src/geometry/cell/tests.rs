@@ -138,3 +138,24 @@ fn containment_follows_the_tolerance() {
         assert!(!shape.contains([f64::NAN; 3], t), "{shape:?}");
     }
 }
+
+/// det J of a trilinear cell is quadratic in each coordinate, so five Gauss points a direction give
+/// the measure in any case; blocks take a shorter way to it.
+#[test]
+fn measures_of_blocks_and_warped_cells_agree_with_integration() {
+    for shape in [Shape::Quadrilateral4, Shape::Hexahedron8] {
+        for warp in [0.0, 1e-14, 1e-3, 0.3] {
+            let place = |x: &[f64; 3]| {
+                let lift = if shape == Shape::Hexahedron8 { x[2] } else { 0.0 };
+                [5.0 + x[0] + 0.3 * x[1], x[1] - 0.2 * lift + warp * x[0] * x[1], lift + 0.1 * x[0]]
+            };
+            let corners: Vec<[f64; 3]> = shape.reference_corners().iter().map(place).collect();
+            let points = crate::geometry::rule(shape, 5usize.pow(shape.dimension() as u32)).unwrap();
+            let sum: f64 = points.iter().map(|p| p.weight * shape.jacobian_determinant(&corners, p.xi)).sum();
+            let difference = shape.measure(&corners) / sum - 1.0;
+            // A quadrilateral that leaves its plane has a root in its measure.
+            let limit = if shape == Shape::Quadrilateral4 { 1e-3 * warp } else { 0.0 } + 1e-14;
+            assert!(difference.abs() < limit, "{shape:?} {warp}: {difference:e}");
+        }
+    }
+}

@@ -71,3 +71,22 @@ fn thin_cells_are_no_fault_and_surfaces_in_space_have_no_sign() {
     let short = faults(&[[0.0; 3], [0.0; 3]], Shape::Line2, &[0, 1]);
     assert!(matches!(short[..], [CellFault::Degenerate { .. }]), "{short:?}");
 }
+
+#[test]
+fn blocks_are_judged_as_their_distorted_likes() {
+    // Slanted, and with one corner moved: by nothing, by little, so far that the cell folds, to nowhere.
+    let block = |shift: f64| -> Vec<[f64; 3]> {
+        let slanted = |x: &[f64; 3]| [x[0] + 0.3 * x[1], x[1] - 0.2 * x[2], x[2] + 0.1 * x[0]];
+        let mut corners: Vec<[f64; 3]> = Shape::Hexahedron8.reference_corners().iter().map(slanted).collect();
+        corners[6][2] -= shift;
+        corners
+    };
+    let nodes = [0, 1, 2, 3, 4, 5, 6, 7];
+    for sound in [0.0, 1e-12, 1e-3, 0.5] {
+        assert_eq!(faults(&block(sound), Shape::Hexahedron8, &nodes), []);
+    }
+    assert!(matches!(faults(&block(4.0), Shape::Hexahedron8, &nodes)[..], [CellFault::Folded { .. }]));
+    assert!(matches!(faults(&block(f64::NAN), Shape::Hexahedron8, &nodes)[..], [CellFault::Degenerate { .. }]));
+    let flat: Vec<[f64; 3]> = block(0.0).iter().map(|x| [x[0], x[1], 1e-13 * x[2]]).collect();
+    assert!(matches!(faults(&flat, Shape::Hexahedron8, &nodes)[..], [CellFault::Degenerate { .. }]));
+}

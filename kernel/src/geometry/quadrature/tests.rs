@@ -126,3 +126,63 @@ fn other_counts_are_refused_with_the_list_of_allowed_ones() {
     let error = rule(Shape::Point1, 0).expect_err("no such rule").to_string();
     assert_eq!(error, "no integration rule with 0 points for a Point1: choose 1");
 }
+
+/// Equal weights that sum to the measure, points inside, and linear functions exact, quadratic ones
+/// not: the error of ξ² over n equal parts of [−1, 1] is the relative 1/n².
+#[test]
+fn even_parts_share_the_cell_and_are_exact_for_linear_functions_only() {
+    for (shape, power) in
+        [(Shape::Line2, 1), (Shape::Triangle3, 2), (Shape::Quadrilateral4, 2), (Shape::Hexahedron8, 3)]
+    {
+        for n in 1..=7usize {
+            let points = even_rule(shape, n.pow(power)).expect("a whole power");
+            assert_eq!(points.len(), n.pow(power));
+            assert!(points.iter().all(|p| p.weight == points[0].weight && shape.contains(p.xi, 0.0)));
+            let moment = |powers: [i32; 3]| {
+                let term = |p: &QuadraturePoint| p.weight * (0..3).map(|a| p.xi[a].powi(powers[a])).product::<f64>();
+                points.iter().map(term).sum::<f64>()
+            };
+            for axis in 0..shape.dimension() {
+                for degree in 0..=1 {
+                    let mut powers = [0; 3];
+                    powers[axis] = degree;
+                    let error = moment(powers) - exact(shape, powers);
+                    assert!(error.abs() < 1e-13, "{shape:?} {n} {powers:?}: {error:e}");
+                }
+                let mut square = [0; 3];
+                square[axis] = 2;
+                let relative = 1.0 - moment(square) / exact(shape, square);
+                let order = relative * (n * n) as f64;
+                let expected = if shape == Shape::Triangle3 { 1.0 / 3.0 } else { 1.0 };
+                assert!((order - expected).abs() < 1e-11, "{shape:?} {n}: {order}");
+            }
+        }
+    }
+}
+
+#[test]
+fn even_parts_run_along_the_first_coordinate_first() {
+    let xi = |shape, count, i: usize| even_rule(shape, count).expect("a whole power")[i].xi;
+    assert_eq!(xi(Shape::Line2, 4, 0), [-0.75, 0.0, 0.0]);
+    assert_eq!(xi(Shape::Quadrilateral4, 4, 1), [0.5, -0.5, 0.0]);
+    assert_eq!(xi(Shape::Hexahedron8, 8, 4), [-0.5, -0.5, 0.5]);
+    assert_eq!(even_rule(Shape::Triangle3, 1).unwrap(), rule(Shape::Triangle3, 1).unwrap());
+}
+
+#[test]
+fn counts_without_equal_parts_are_refused() {
+    for (shape, count) in [
+        (Shape::Line2, 0),
+        (Shape::Triangle3, 3),
+        (Shape::Quadrilateral4, 2),
+        (Shape::Quadrilateral4, 0),
+        (Shape::Hexahedron8, 4),
+        (Shape::Hexahedron8, usize::MAX),
+        (Shape::Tetrahedron4, 8),
+        (Shape::Point1, 2),
+    ] {
+        assert_eq!(even_rule(shape, count), Err(UnevenCount { shape, count }));
+    }
+    let error = even_rule(Shape::Hexahedron8, 4).expect_err("no such parts").to_string();
+    assert_eq!(error, "a Hexahedron8 has no 4 equal parts: choose a cubic number: 1, 8, 27, 64, 125, and so on");
+}

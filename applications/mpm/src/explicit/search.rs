@@ -1,0 +1,112 @@
+//! The cells of the points from step to step: only points that may have left theirs are looked for,
+//! and points are put in the order of their cells when too many are out of it.
+
+use super::cells::{Mapping, is_affine};
+use crate::active::ActiveCells;
+use crate::grid::{GridCell, corners, with_shape};
+use crate::points::{MaterialPoints, Scratch};
+use crate::scene::Scene;
+use crate::settings::Frame;
+use bia_kernel::error::Error;
+use bia_kernel::geometry::{CellShape, Hexahedron8, Line2, Quadrilateral4, Shape, Tetrahedron4, Triangle3};
+use bia_kernel::model::ModelPart;
+
+/// Order is restored when points of one cell lie, on average, in more runs than this.
+const RUNS_PER_CELL: f64 = 1.25;
+
+/// What is known of the points' cells.
+#[derive(Default)]
+pub struct Search {
+    /// Points that may have left their cell since the last search: (block, point).
+    pub leavers: Vec<(u32, u32)>,
+    searched: bool,
+    order: Vec<u32>,
+    counts: Vec<u32>,
+    scratch: Scratch,
+}
+
+impl Search {
+    /// Finds the cells of points that may have left theirs. Tells whether any has.
+    ///
+    /// # Errors
+    /// All points, or a condition, have left the grid.
+    pub fn find(&mut self, scene: &mut Scene, points: &mut MaterialPoints, frame: Frame) -> Result<bool, Error> {
+        if !std::mem::replace(&mut self.searched, true) {
+            scene.search(points)?;
+            return Ok(true);
+        }
+        if frame == Frame::Total {
+            return Ok(false);
+        }
+        let Some(locator) = &scene.locator else { return Ok(false) };
+        let mut lost = self.leavers.len() > points.len() / 2;
+        let mut moved = lost;
+        for &(block, point) in self.leavers.iter().filter(|_| !lost) {
+            let block = &mut points.blocks[block as usize];
+            let point = point as usize;
+            match locator.locate(block.coordinates(point), Some(block.cell[point])) {
+                Some((cell, xi)) => {
+                    moved |= block.cell[point] != cell;
+                    block.cell[point] = cell;
+                    if block.local.is_used() {
+                        let local = block.local.row_mut(point);
+                        local.copy_from_slice(&xi[..local.len()]);
+                    }
+                }
+                None => {
+                    (lost, moved) = (true, true);
+                    break;
+                }
+            }
+        }
+        self.leavers.clear();
+        if lost || !points.conditions.is_empty() {
+            // It erases, keeps or reports them, and finds the conditions.
+            scene.search(points)?;
+        }
+        Ok(moved)
+    }
+
+    /// Puts the points of each block in the order of their cells if too many are out of it. Tells
+    /// whether it did.
+    pub fn restore_order(&mut self, points: &mut MaterialPoints, active: &ActiveCells, cells: usize) -> bool {
+        let runs = |cell: &[u32]| cell.chunk_by(|a, b| a == b).count();
+        let runs: usize = points.blocks.iter().map(|block| runs(&block.cell)).sum();
+        if runs as f64 <= RUNS_PER_CELL * (active.len() * points.blocks.len().min(2)) as f64 {
+            return false;
+        }
+        for block in &mut points.blocks {
+            if block.cell.is_sorted() {
+                continue;
+            }
+            self.counts.clear();
+            self.counts.resize(cells + 2, 0);
+            let place = |cell: u32| (cell as usize).min(cells);
+            block.cell.iter().for_each(|&cell| self.counts[place(cell) + 1] += 1);
+            (1..self.counts.len()).for_each(|c| self.counts[c] += self.counts[c - 1]);
+            self.order.clear();
+            self.order.resize(block.len(), 0);
+            for (point, &cell) in block.cell.iter().enumerate() {
+                let next = &mut self.counts[place(cell)];
+                self.order[*next as usize] = point as u32;
+                *next += 1;
+            }
+            block.reorder(&self.order, &mut self.scratch);
+        }
+        true
+    }
+}
+
+/// How local coordinates are had on a grid.
+pub fn mapping(grid: &ModelPart, frame: Frame) -> Mapping {
+    let affine = (0..grid.elements.len()).all(|cell| {
+        with_shape!(grid.elements.shapes[cell], |S, D, N| {
+            let basis = <S as GridCell<D, N>>::of(grid, cell);
+            let nodes = corners::<D, N>(grid, grid.elements.nodes_of(cell));
+            let references = <S as CellShape<D, N>>::SHAPE.reference_corners();
+            let references = std::array::from_fn(|i| std::array::from_fn(|a| references[i][a]));
+            is_affine::<S, D, N>(&basis, &nodes, &references)
+        }, else true)
+    });
+    Mapping { affine, stored: frame == Frame::Total || !affine }
+}
