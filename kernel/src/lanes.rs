@@ -1,14 +1,15 @@
 //! Numbers that formulas are written for: one, or several in step ([`Lanes`]), such as the same
-//! component of neighbouring material points. Compiled for the machine's widest vectors (see the
-//! `pulp` crate), a formula over lanes runs as vector instructions.
+//! component of neighbouring material points, which fill the machine's vectors.
 //!
 //! Formulas over lanes are written with loops and `#[inline(always)]`: what is not inlined, closures
-//! in `array::map` among them, is compiled for the baseline machine.
-//!
-//! Products and sums are rounded one by one (no fused multiply-add), so that all machines and all
-//! widths give the same bits.
+//! in `array::map` among them, is compiled for the baseline machine. Products and sums are rounded
+//! one by one (no fused multiply-add), so that all machines and all widths give the same bits.
 
+use pulp::Simd;
 use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
+
+/// Most lanes that any machine has.
+pub const WIDTH: usize = 8;
 
 /// A real number, or several in step.
 pub trait Real:
@@ -18,25 +19,24 @@ pub trait Real:
     + Mul<Output = Self>
     + Div<Output = Self>
     + Neg<Output = Self>
+    + Add<f64, Output = Self>
+    + Sub<f64, Output = Self>
     + Mul<f64, Output = Self>
     + AddAssign
     + SubAssign
     + MulAssign
     + DivAssign
 {
-    /// The same number in all lanes.
-    fn splat(value: f64) -> Self;
+    /// The same number in all lanes; `self` says of which kind.
+    fn constant(self, value: f64) -> Self;
 
     /// ln(1 + x), accurate for small x. Not a number for x < −1.
     fn ln_1p(self) -> Self;
-
-    /// √x.
-    fn sqrt(self) -> Self;
 }
 
 impl Real for f64 {
     #[inline(always)]
-    fn splat(value: f64) -> Self {
+    fn constant(self, value: f64) -> Self {
         value
     }
 
@@ -44,47 +44,109 @@ impl Real for f64 {
     fn ln_1p(self) -> Self {
         f64::ln_1p(self)
     }
+}
 
+/// Numbers of lanes in memory; a machine with fewer than [`WIDTH`] uses the first ones.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(align(64))]
+pub struct Pack(pub [f64; WIDTH]);
+
+/// As many numbers in step as a vector of the machine holds, at most [`WIDTH`].
+#[derive(Debug, Clone, Copy)]
+pub struct Lanes<S: Simd> {
+    simd: S,
+    value: S::f64s,
+}
+
+impl<S: Simd> Lanes<S> {
+    /// Number of lanes.
+    pub const COUNT: usize = {
+        assert!(S::F64_LANES <= WIDTH, "packs are too short for this machine");
+        S::F64_LANES
+    };
+
+    /// The same number in all lanes.
     #[inline(always)]
-    fn sqrt(self) -> Self {
-        f64::sqrt(self)
+    pub fn splat(simd: S, value: f64) -> Self {
+        Self { simd, value: simd.splat_f64s(value) }
+    }
+
+    /// The numbers of a pack.
+    #[inline(always)]
+    pub fn load(simd: S, pack: &Pack) -> Self {
+        let (vectors, _) = S::as_simd_f64s(&pack.0[..Self::COUNT]);
+        Self { simd, value: vectors[0] }
+    }
+
+    /// The numbers of a pack, on the same machine as these.
+    #[inline(always)]
+    pub fn with(self, pack: &Pack) -> Self {
+        Self::load(self.simd, pack)
+    }
+
+    /// The numbers as a pack, with zeros behind them.
+    #[inline(always)]
+    pub fn pack(self) -> Pack {
+        let mut pack = Pack([0.0; WIDTH]);
+        self.store(&mut pack);
+        pack
+    }
+
+    /// Writes the numbers to a pack.
+    #[inline(always)]
+    pub fn store(self, pack: &mut Pack) {
+        let (vectors, _) = S::as_mut_simd_f64s(&mut pack.0[..Self::COUNT]);
+        vectors[0] = self.value;
+    }
+
+    /// The larger number, lane by lane.
+    #[inline(always)]
+    pub fn max(self, other: Self) -> Self {
+        Self { value: self.simd.max_f64s(self.value, other.value), ..self }
+    }
+
+    /// The smaller number, lane by lane.
+    #[inline(always)]
+    pub fn min(self, other: Self) -> Self {
+        Self { value: self.simd.min_f64s(self.value, other.value), ..self }
+    }
+
+    /// Sum of all lanes.
+    #[inline(always)]
+    pub fn sum(self) -> f64 {
+        self.simd.reduce_sum_f64s(self.value)
+    }
+
+    /// Whether all lanes lie between two numbers; none that is not a number does.
+    #[inline(always)]
+    pub fn all_within(self, low: f64, high: f64) -> bool {
+        // What is cut off to stay within is zero in all lanes, or not a number.
+        let cut = self - self.max(self.constant(low)).min(self.constant(high));
+        (cut * cut).sum() == 0.0
     }
 }
 
-/// `W` numbers in step.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[repr(align(64))]
-pub struct Lanes<const W: usize>(pub [f64; W]);
-
 macro_rules! operator {
-    ($trait:ident, $function:ident, $assign_trait:ident, $assign:ident, $op:tt) => {
-        impl<const W: usize> $trait for Lanes<W> {
+    ($trait:ident, $function:ident, $assign_trait:ident, $assign:ident, $vector:ident, $op:tt) => {
+        impl<S: Simd> $trait for Lanes<S> {
             type Output = Self;
 
             #[inline(always)]
             fn $function(self, other: Self) -> Self {
-                let mut out = self;
-                for l in 0..W {
-                    out.0[l] = self.0[l] $op other.0[l];
-                }
-                out
+                Self { value: self.simd.$vector(self.value, other.value), ..self }
             }
         }
 
-        impl<const W: usize> $trait<f64> for Lanes<W> {
+        impl<S: Simd> $trait<f64> for Lanes<S> {
             type Output = Self;
 
             #[inline(always)]
             fn $function(self, other: f64) -> Self {
-                let mut out = self;
-                for l in 0..W {
-                    out.0[l] = self.0[l] $op other;
-                }
-                out
+                self $op self.constant(other)
             }
         }
 
-        impl<const W: usize> $assign_trait for Lanes<W> {
+        impl<S: Simd> $assign_trait for Lanes<S> {
             #[inline(always)]
             fn $assign(&mut self, other: Self) {
                 *self = *self $op other;
@@ -93,28 +155,24 @@ macro_rules! operator {
     };
 }
 
-operator!(Add, add, AddAssign, add_assign, +);
-operator!(Sub, sub, SubAssign, sub_assign, -);
-operator!(Mul, mul, MulAssign, mul_assign, *);
-operator!(Div, div, DivAssign, div_assign, /);
+operator!(Add, add, AddAssign, add_assign, add_f64s, +);
+operator!(Sub, sub, SubAssign, sub_assign, sub_f64s, -);
+operator!(Mul, mul, MulAssign, mul_assign, mul_f64s, *);
+operator!(Div, div, DivAssign, div_assign, div_f64s, /);
 
-impl<const W: usize> Neg for Lanes<W> {
+impl<S: Simd> Neg for Lanes<S> {
     type Output = Self;
 
     #[inline(always)]
     fn neg(self) -> Self {
-        let mut out = self;
-        for l in 0..W {
-            out.0[l] = -self.0[l];
-        }
-        out
+        Self { value: self.simd.neg_f64s(self.value), ..self }
     }
 }
 
-impl<const W: usize> Real for Lanes<W> {
+impl<S: Simd> Real for Lanes<S> {
     #[inline(always)]
-    fn splat(value: f64) -> Self {
-        Self([value; W])
+    fn constant(self, value: f64) -> Self {
+        Self::splat(self.simd, value)
     }
 
     /// 2 artanh(s), s = x/(2 + x), by its series, exact to rounding for |s| ≤ 1/3, −1/2 ≤ x ≤ 1;
@@ -122,59 +180,79 @@ impl<const W: usize> Real for Lanes<W> {
     #[inline(always)]
     fn ln_1p(self) -> Self {
         const TERMS: usize = 17;
+        if !self.all_within(-0.5, 1.0) {
+            let mut pack = self.pack();
+            for l in 0..Self::COUNT {
+                pack.0[l] = pack.0[l].ln_1p();
+            }
+            return self.with(&pack);
+        }
         let s = self / (self + 2.0);
         let square = s * s;
-        let mut sum = Self::splat(1.0 / (2 * TERMS + 1) as f64);
+        let mut sum = self.constant(1.0 / (2 * TERMS + 1) as f64);
         for k in (1..TERMS).rev() {
             sum = sum * square + 1.0 / (2 * k + 1) as f64;
         }
-        let mut out = s * 2.0 + s * square * sum * 2.0;
-        let mut near = true;
-        for l in 0..W {
-            near &= self.0[l] >= -0.5 && self.0[l] <= 1.0;
-        }
-        if !near {
-            for l in 0..W {
-                out.0[l] = self.0[l].ln_1p();
-            }
-        }
-        out
-    }
-
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        let mut out = self;
-        for l in 0..W {
-            out.0[l] = self.0[l].sqrt();
-        }
-        out
+        (s + s * square * sum) * 2.0
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use pulp::{Arch, WithSimd};
+
+    /// Computes formulas over packs of numbers on the machine's vectors.
+    struct Compute<'a>(&'a [[f64; WIDTH]], &'a mut [Pack]);
+
+    impl WithSimd for Compute<'_> {
+        type Output = usize;
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) -> usize {
+            let Compute(numbers, out) = self;
+            let (x, y) = (Lanes::load(simd, &Pack(numbers[0])), Lanes::load(simd, &Pack(numbers[1])));
+            out[0] = (-(x * y - y / x) * 2.0 + x).pack();
+            for (numbers, out) in numbers.iter().zip(out).skip(1) {
+                *out = Lanes::load(simd, &Pack(*numbers)).ln_1p().pack();
+            }
+            Lanes::<S>::COUNT
+        }
+    }
 
     #[test]
     fn lanes_compute_what_numbers_compute() {
-        let (a, b) = ([1.5, -2.0, 3.25, 0.1], [0.3, 7.0, -1.0, 2.0]);
-        let (x, y) = (Lanes(a), Lanes(b));
-        let formula = |a: f64, b: f64| -(a * b - b / a) * 2.0 + a;
-        let of_lanes = -(x * y - y / x) * 2.0 + x;
-        assert_eq!(of_lanes.0, std::array::from_fn(|l| formula(a[l], b[l])));
+        let numbers = [[1.5, -2.0, 3.25, 0.1, 7.0, -1e-3, 2.0, 9.5], [0.3, 7.0, -1.0, 2.0, 1e5, 3.0, -0.5, 1.0]];
+        let mut out = [Pack([0.0; WIDTH]); 2];
+        let count = Arch::new().dispatch(Compute(&numbers, &mut out));
+        for l in 0..count {
+            let (a, b) = (numbers[0][l], numbers[1][l]);
+            assert_eq!(out[0].0[l], -(a * b - b / a) * 2.0 + a);
+        }
     }
 
     #[test]
     fn logarithms_are_those_of_the_standard_library() {
-        let mut x = -0.99;
-        while x < 4.0 {
-            let lanes = Lanes([x, 1e-3 * x, 1e-9 * x, 1e-20 * x]).ln_1p();
-            for (l, scale) in [1.0, 1e-3, 1e-9, 1e-20].into_iter().enumerate() {
-                let (found, expected) = (lanes.0[l], (scale * x).ln_1p());
-                assert!((found - expected).abs() <= 4.0 * f64::EPSILON * expected.abs(), "{x} {found} {expected}");
+        let mut numbers = vec![[1.0; WIDTH]];
+        numbers.extend((0..500).map(|k| {
+            let x = -0.99 + 0.01 * f64::from(k);
+            [x, 1e-3 * x, 1e-9 * x, 1e-20 * x, 0.5 * x, 0.25 * x, -1e-6 * x, 0.1 * x]
+        }));
+        numbers.extend((0..500).map(|k| {
+            let x = -0.499 + 0.0029 * f64::from(k);
+            [x, 1e-3 * x, 1e-9 * x, 1e-20 * x, 0.5 * x, 0.25 * x, -1e-6 * x, 0.1 * x]
+        }));
+        let mut out = vec![Pack([0.0; WIDTH]); numbers.len()];
+        let count = Arch::new().dispatch(Compute(&numbers, &mut out));
+        for (numbers, out) in numbers.iter().zip(&out).skip(1) {
+            for l in 0..count {
+                let (found, expected) = (out.0[l], numbers[l].ln_1p());
+                assert!((found - expected).abs() <= 4.0 * f64::EPSILON * expected.abs(), "{} {found}", numbers[l]);
             }
-            x += 0.01;
         }
-        assert!(Lanes([-1.5, 0.0]).ln_1p().0[0].is_nan());
+        let bad = [[1.0; WIDTH], [-1.5; WIDTH]];
+        let mut out = [Pack([0.0; WIDTH]); 2];
+        Arch::new().dispatch(Compute(&bad, &mut out));
+        assert!(out[1].0[0].is_nan());
     }
 }

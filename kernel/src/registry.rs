@@ -350,5 +350,6 @@ fn rank_name(rank: Rank) -> &'static str {
         Rank::Scalar => "scalar",
         Rank::Vector => "vector",
         Rank::Voigt => "symmetric tensor",
+        Rank::Tensor => "tensor",
     }
 }

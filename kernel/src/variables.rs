@@ -12,6 +12,8 @@ pub enum Rank {
     Vector,
     /// As many as the stress of the scene: 3 in the plane, 4 axisymmetric, 6 in space.
     Voigt,
+    /// Nine numbers, row by row, also in the plane.
+    Tensor,
 }
 
 /// A named quantity with its unit. Applications declare theirs as constants and register them.
@@ -38,6 +40,11 @@ impl Variable {
         Self { name, rank: Rank::Vector, unit, help }
     }
 
+    /// A tensor of nine components.
+    pub const fn tensor(name: &'static str, unit: &'static str, help: &'static str) -> Self {
+        Self { name, rank: Rank::Tensor, unit, help }
+    }
+
     /// A symmetric tensor in Voigt form.
     pub const fn voigt(name: &'static str, unit: &'static str, help: &'static str) -> Self {
         Self { name, rank: Rank::Voigt, unit, help }
@@ -50,7 +57,7 @@ impl Variable {
 pub struct Fields {
     scalars: BTreeMap<&'static str, Vec<f64>>,
     vectors: BTreeMap<&'static str, Vec<[f64; 3]>>,
-    tensors: BTreeMap<&'static str, Column>,
+    rows: BTreeMap<&'static str, Column>,
     fixed: BTreeMap<&'static str, Vec<[bool; 3]>>,
 }
 
@@ -75,15 +82,20 @@ impl Fields {
         self.vectors.entry(variable.name).or_insert_with(|| vec![[0.0; 3]; count])
     }
 
-    /// The column of a symmetric tensor, if it exists.
-    pub fn tensor(&self, variable: &Variable) -> Option<&Column> {
-        self.tensors.get(variable.name)
+    /// The column of a tensor, if it exists.
+    pub fn rows(&self, variable: &Variable) -> Option<&Column> {
+        self.rows.get(variable.name)
     }
 
-    /// The column of a symmetric tensor, made of zeros with `width` numbers for each of `count`
-    /// entities if it did not exist.
-    pub fn tensor_mut(&mut self, variable: &Variable, width: usize, count: usize) -> &mut Column {
-        self.tensors.entry(variable.name).or_insert_with(|| Column::new(width, count))
+    /// The column of a tensor of `width` numbers, made of zeros for `count` entities if it did not
+    /// exist.
+    pub fn rows_mut(&mut self, variable: &Variable, width: usize, count: usize) -> &mut Column {
+        self.rows.entry(variable.name).or_insert_with(|| Column::new(width, count))
+    }
+
+    /// Numbers of a symmetric tensor, which all have the same; 0 if there is none.
+    pub fn symmetric_width(&self) -> usize {
+        self.rows.values().map(Column::width).find(|&width| width != 9).unwrap_or(0)
     }
 
     /// Which components are fixed (a scalar uses the first), if any ever was.
@@ -107,7 +119,7 @@ impl Fields {
         for (name, column) in &self.vectors {
             out.rows(name, column)?;
         }
-        for (name, column) in &self.tensors {
+        for (name, column) in &self.rows {
             out.rows(name, column.values().chunks_exact(column.width().max(1)))?;
         }
         Ok(())
@@ -117,8 +129,8 @@ impl Fields {
     pub fn columns(&self) -> Vec<(&'static str, usize)> {
         let scalars = self.scalars.iter().map(|(name, column)| (*name, 8 * column.len()));
         let vectors = self.vectors.iter().map(|(name, column)| (*name, 24 * column.len()));
-        let tensors = self.tensors.iter().map(|(name, column)| (*name, column.bytes()));
-        scalars.chain(vectors).chain(tensors).collect()
+        let rows = self.rows.iter().map(|(name, column)| (*name, column.bytes()));
+        scalars.chain(vectors).chain(rows).collect()
     }
 }
 
@@ -291,5 +303,12 @@ mod tests {
         fields.scalar_mut(&SPEED, 3)[1] = 2.0;
         assert_eq!(fields.scalar(&SPEED), Some(&[0.0, 2.0, 0.0][..]));
         assert_eq!(fields.columns(), [("SPEED", 24)]);
+        const SPIN: Variable = Variable::tensor("SPIN", "1/s", "spin");
+        const STRAIN: Variable = Variable::voigt("STRAIN", "1", "strain");
+        fields.rows_mut(&SPIN, 9, 3);
+        assert_eq!((fields.rows(&STRAIN), fields.symmetric_width()), (None, 0));
+        fields.rows_mut(&STRAIN, 4, 3).set(2, [1.0, 2.0, 3.0, 4.0]);
+        assert_eq!(fields.rows(&STRAIN).map(|column| column.row(2)), Some(&[1.0, 2.0, 3.0, 4.0][..]));
+        assert_eq!((fields.symmetric_width(), fields.columns().len()), (4, 3));
     }
 }

@@ -7,12 +7,12 @@
 //! Plane stress: λ* = 2λμ/(λ + 2μ) for λ. No energy: in large closed cycles of strain a hypoelastic
 //! solid does work. Source: Simo and Hughes, Computational Inelasticity, §7.1-7.3.
 
-use bia_kernel::lanes::{Lanes, Real};
+use bia_kernel::lanes::Real;
 
 use crate::{
-    ConstitutiveLaw, DENSITY, Deformation, Fault, Group, LameParameters, LawError, Material, MaterialVariable,
-    POISSON_RATIO, Tangent, Voigt, WIDTH, YOUNG_MODULUS,
-    tensor::{adjugate, volume_ratio},
+    ConstitutiveLaw, DENSITY, Deformation, Fault, LameParameters, LawError, Material, MaterialVariable,
+    POISSON_RATIO, Tangent, Voigt, YOUNG_MODULUS,
+    tensor::{Tensor, adjugate, volume_ratio},
 };
 
 /// The solid of this file. With `PLANE_STRESS`, no strain across the plane is handed over.
@@ -39,15 +39,9 @@ impl<const PLANE_STRESS: bool> Hypoelastic<PLANE_STRESS> {
             stress[i + 3] = strain[i + 3] * mu * factor;
         }
         if PLANE_STRESS {
-            stress[2] = R::splat(0.0);
+            stress[2] = factor.constant(0.0);
         }
         stress
-    }
-
-    /// Stresses of points in step.
-    #[inline(always)]
-    fn stress_in_step(&self, group: &Group) -> [Lanes<WIDTH>; 6] {
-        self.hooke(&group.strain, Lanes::splat(1.0) / adjugate(&group.gradient).1)
     }
 }
 
@@ -56,7 +50,7 @@ impl<const PLANE_STRESS: bool> ConstitutiveLaw for Hypoelastic<PLANE_STRESS> {
     const HELP: &'static str = "Hooke's law with an accumulated strain (Jaumann rate), for explicit solvers";
     const VARIABLES: &'static [MaterialVariable] = &[DENSITY, YOUNG_MODULUS, POISSON_RATIO];
     const USES_STRAIN: bool = true;
-    const IN_STEP: Option<fn(&Self, &Group) -> [Lanes<WIDTH>; 6]> = Some(Self::stress_in_step);
+    const IN_STEP: bool = true;
     type State = ();
 
     fn new(material: &Material) -> Result<Self, Fault> {
@@ -68,6 +62,12 @@ impl<const PLANE_STRESS: bool> ConstitutiveLaw for Hypoelastic<PLANE_STRESS> {
             return Err(LawError::Unsuitable { problem: "needs an accumulated strain", advice: "run it explicitly" });
         };
         Ok(self.hooke(&strain, 1.0 / volume_ratio(&deformation.gradient)?))
+    }
+
+    #[inline(always)]
+    fn stress_in_step<R: Real>(&self, gradient: &Tensor<R>, strain: &[R; 6]) -> [R; 6] {
+        let (_, jacobian) = adjugate(gradient);
+        self.hooke(strain, jacobian.constant(1.0) / jacobian)
     }
 
     fn stress_and_tangent(&self, _: &Deformation, _: &mut ()) -> Result<(Voigt, Tangent), LawError> {

@@ -1,22 +1,19 @@
 //! The two faces of a law: [`ConstitutiveLaw`], what its author writes for one point, and [`Law`],
 //! what elements call for a batch of points.
 
-use bia_kernel::lanes::Lanes;
+use bia_kernel::lanes::{Lanes, Pack, Real};
 use bytemuck::{Pod, Zeroable};
 use nalgebra::Matrix3;
 
 use crate::{Fault, LawError, Material, MaterialVariable, Tangent, Voigt, tensor::Tensor};
 
-/// Points that a law answers for in step.
-pub const WIDTH: usize = 8;
-
 /// What a law may know about points in step, one in each lane.
 #[derive(Debug, Clone, Copy)]
 pub struct Group {
     /// [`Deformation::gradient`]s.
-    pub gradient: Tensor<Lanes<WIDTH>>,
-    /// [`Deformation::strain`]s; zero for laws that take none.
-    pub strain: [Lanes<WIDTH>; 6],
+    pub gradient: Tensor<Pack>,
+    /// [`Deformation::strain`]s, for laws that take them.
+    pub strain: [Pack; 6],
 }
 
 /// What a law may know about the motion of a point.
@@ -96,9 +93,15 @@ pub trait ConstitutiveLaw: Sized + Send + Sync + 'static {
     /// Speed of the fastest small wave in the undeformed material (m/s); `density` in kg/m³.
     fn wave_speed(&self, density: f64) -> f64;
 
-    /// [`stress`](Self::stress) of points in step, for laws without history whose stress depends on
-    /// the gradient and strain alone; not a number where the law has no answer.
-    const IN_STEP: Option<fn(&Self, &Group) -> [Lanes<WIDTH>; 6]> = None;
+    /// The law has [`stress_in_step`](Self::stress_in_step).
+    const IN_STEP: bool = false;
+
+    /// [`stress`](Self::stress) from gradient and strain alone, for one point or several in step; not
+    /// a number where the law has no answer. For laws without history; write it with loops and
+    /// `#[inline(always)]` (see [`bia_kernel::lanes`]).
+    fn stress_in_step<R: Real>(&self, _gradient: &Tensor<R>, strain: &[R; 6]) -> [R; 6] {
+        *strain
+    }
 
     /// Strain energy per reference volume (J/m³), where the law has one.
     fn energy(&self, _deformation: &Deformation) -> Option<f64> {
@@ -173,12 +176,12 @@ pub trait Law: Send + Sync {
         out: &mut [Voigt],
     ) -> Result<(), (usize, LawError)>;
 
-    /// Stresses of groups of points; false, with `out` as it was, if the law answers point by point
-    /// only. Where it has no answer the stress is not a number: [`stresses`](Self::stresses) says why.
+    /// Stresses of groups of points; false if the law answers point by point only, or has no answer
+    /// for some of them: [`stresses`](Self::stresses) then says more.
     ///
     /// # Panics
     /// The lengths of the slices do not agree.
-    fn stresses_in_step(&self, groups: &[Group], out: &mut [[Lanes<WIDTH>; 6]]) -> bool;
+    fn stresses_in_step(&self, groups: &[Group], out: &mut [[Pack; 6]]) -> bool;
 
     /// See [`ConstitutiveLaw::USES_STRAIN`].
     fn uses_strain(&self) -> bool;
@@ -209,6 +212,43 @@ const fn numbers_in<S: Pod>() -> usize {
 fn state_at<S: Pod>(states: &mut [f64], point: usize) -> &mut S {
     let len = numbers_in::<S>();
     bytemuck::from_bytes_mut(bytemuck::cast_slice_mut(&mut states[point * len..(point + 1) * len]))
+}
+
+/// Stresses of groups of points on the machine's vectors.
+struct StressInStep<'a, L> {
+    law: &'a L,
+    groups: &'a [Group],
+    out: &'a mut [[Pack; 6]],
+}
+
+impl<L: ConstitutiveLaw> pulp::WithSimd for StressInStep<'_, L> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, simd: S) -> bool {
+        let mut check = Lanes::splat(simd, 0.0);
+        for (group, out) in self.groups.iter().zip(self.out) {
+            let mut gradient = [[Lanes::splat(simd, 0.0); 3]; 3];
+            for a in 0..3 {
+                for b in 0..3 {
+                    gradient[a][b] = Lanes::load(simd, &group.gradient[a][b]);
+                }
+            }
+            let mut strain = [Lanes::splat(simd, 0.0); 6];
+            if L::USES_STRAIN {
+                for k in 0..6 {
+                    strain[k] = Lanes::load(simd, &group.strain[k]);
+                }
+            }
+            let stress = self.law.stress_in_step(&gradient, &strain);
+            for k in 0..6 {
+                stress[k].store(&mut out[k]);
+                // Zero for every number, and not a number otherwise.
+                check += (stress[k] - stress[k]) * 0.0;
+            }
+        }
+        check.all_within(0.0, 0.0)
+    }
 }
 
 impl<L: ConstitutiveLaw> Law for L {
@@ -272,16 +312,9 @@ impl<L: ConstitutiveLaw> Law for L {
         Ok(())
     }
 
-    fn stresses_in_step(&self, groups: &[Group], out: &mut [[Lanes<WIDTH>; 6]]) -> bool {
+    fn stresses_in_step(&self, groups: &[Group], out: &mut [[Pack; 6]]) -> bool {
         assert_eq!(groups.len(), out.len(), "one answer per group");
-        let Some(stress) = L::IN_STEP else { return false };
-        // In the machine's widest vectors: inlined into the closure, the formula is compiled for them.
-        pulp::Arch::new().dispatch(|| {
-            for (group, out) in groups.iter().zip(out) {
-                *out = stress(self, group);
-            }
-        });
-        true
+        L::IN_STEP && pulp::Arch::new().dispatch(StressInStep { law: self, groups, out })
     }
 
     fn uses_strain(&self) -> bool {

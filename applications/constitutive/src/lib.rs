@@ -27,7 +27,7 @@ pub use catalogue::{Build, Catalogue, DuplicateLaw, LawEntry, MaterialPlaces, ca
 pub use error::LawError;
 pub use hypoelastic::Hypoelastic;
 pub use kinematics::Kinematics;
-pub use law::{ConstitutiveLaw, Deformation, Group, Law, Response, WIDTH, Want};
+pub use law::{ConstitutiveLaw, Deformation, Group, Law, Response, Want};
 pub use linear_elastic::{LinearElastic, LinearElasticPlaneStress};
 pub use material::{
     DENSITY, Fault, LameParameters, Material, MaterialVariable, Options, POISSON_RATIO, Range, YOUNG_MODULUS, check,

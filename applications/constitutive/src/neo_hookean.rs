@@ -6,12 +6,12 @@
 //!
 //! Source: Bonet and Wood, Nonlinear Continuum Mechanics for Finite Element Analysis, §6.4.3.
 
-use bia_kernel::lanes::{Lanes, Real};
+use bia_kernel::lanes::Real;
 use nalgebra::Matrix3;
 
 use crate::{
-    ConstitutiveLaw, DENSITY, Deformation, Fault, Group, Kinematics, LameParameters, LawEntry, LawError, Material,
-    MaterialVariable, POISSON_RATIO, PlaneStress, Tangent, Voigt, WIDTH, YOUNG_MODULUS,
+    ConstitutiveLaw, DENSITY, Deformation, Fault, Kinematics, LameParameters, LawEntry, LawError, Material,
+    MaterialVariable, POISSON_RATIO, PlaneStress, Tangent, Voigt, YOUNG_MODULUS,
     tensor::{
         Tensor, VOIGT_PAIRS, almansi_strain, displacement_gradient, isotropic_tangent, strain_to_voigt, tensor_of,
         volume_change, volume_ratio,
@@ -36,7 +36,7 @@ impl NeoHookean {
         let LameParameters { lambda, mu } = self.lame;
         let mut h = *f;
         for a in 0..3 {
-            h[a][a] -= R::splat(1.0);
+            h[a][a] = h[a][a] - 1.0;
         }
         let change = volume_change(&h);
         let log_jacobian = change.ln_1p();
@@ -53,17 +53,6 @@ impl NeoHookean {
         (stress, change, log_jacobian)
     }
 
-    /// Cauchy stresses of points in step.
-    #[inline(always)]
-    fn stress_in_step(&self, group: &Group) -> [Lanes<WIDTH>; 6] {
-        let (mut stress, change, _) = self.kirchhoff(&group.gradient);
-        let inverse = Lanes::splat(1.0) / (change + 1.0);
-        for k in 0..6 {
-            stress[k] *= inverse;
-        }
-        stress
-    }
-
     /// Cauchy stress, J and ln J.
     #[inline]
     fn evaluate(&self, f: &Matrix3<f64>) -> Result<(Voigt, f64, f64), LawError> {
@@ -78,7 +67,7 @@ impl ConstitutiveLaw for NeoHookean {
     const HELP: &'static str =
         "Compressible neo-Hookean solid, W = μ/2 (tr b − 3) − μ ln J + λ/2 (ln J)² (Bonet and Wood, §6.4.3)";
     const VARIABLES: &'static [MaterialVariable] = &[DENSITY, YOUNG_MODULUS, POISSON_RATIO];
-    const IN_STEP: Option<fn(&Self, &Group) -> [Lanes<WIDTH>; 6]> = Some(Self::stress_in_step);
+    const IN_STEP: bool = true;
     type State = ();
 
     fn new(material: &Material) -> Result<Self, Fault> {
@@ -87,6 +76,16 @@ impl ConstitutiveLaw for NeoHookean {
 
     fn stress(&self, deformation: &Deformation, _: &mut ()) -> Result<Voigt, LawError> {
         Ok(self.evaluate(&deformation.gradient)?.0)
+    }
+
+    #[inline(always)]
+    fn stress_in_step<R: Real>(&self, gradient: &Tensor<R>, _: &[R; 6]) -> [R; 6] {
+        let (mut stress, change, _) = self.kirchhoff(gradient);
+        let inverse = change.constant(1.0) / (change + 1.0);
+        for k in 0..6 {
+            stress[k] *= inverse;
+        }
+        stress
     }
 
     fn stress_and_tangent(&self, deformation: &Deformation, _: &mut ()) -> Result<(Voigt, Tangent), LawError> {

@@ -19,10 +19,10 @@ pub fn tensor_of(m: &Matrix3<f64>) -> Tensor<f64> {
     std::array::from_fn(|a| std::array::from_fn(|b| m[(a, b)]))
 }
 
-/// The identity.
+/// The identity; `of` says of which kind of numbers.
 #[inline(always)]
-pub fn identity<R: Real>() -> Tensor<R> {
-    let (zero, one) = (R::splat(0.0), R::splat(1.0));
+pub fn identity<R: Real>(of: R) -> Tensor<R> {
+    let (zero, one) = (of.constant(0.0), of.constant(1.0));
     [[one, zero, zero], [zero, one, zero], [zero, zero, one]]
 }
 

@@ -146,8 +146,3 @@ fn all_outside(points: &MaterialPoints, locator: &CellLocator) -> Option<Failure
         None => failure,
     })
 }
-
-/// The dofs of the nodes of the active cells.
-pub fn active_dofs(grid: &Cells, nodes: usize, cells: &[u32], block: usize) -> ActiveDofs {
-    ActiveDofs::of_cells(block, nodes, grid, cells)
-}

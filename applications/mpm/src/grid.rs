@@ -1,7 +1,5 @@
 //! The background grid as loops over its cells see it.
 
-use bia_kernel::geometry::{CellBasis, Hexahedron8, Line2, Quadrilateral4, Tetrahedron4, Triangle3};
-use bia_kernel::lanes::Lanes;
 use bia_kernel::model::ModelPart;
 use bia_kernel::solving::ActiveDofs;
 use bia_kernel::variables::Variable;
@@ -50,66 +48,36 @@ macro_rules! with_shape {
 }
 pub(crate) use with_shape;
 
-/// The functions of a grid's cell.
-pub trait GridCell<const D: usize, const N: usize>: CellBasis<D, N> {
-    /// Those of a cell of the grid.
-    fn of(grid: &ModelPart, cell: usize) -> Self;
-
-    /// Which local coordinates lie in the cell; those that are no numbers do not.
-    fn holds<const W: usize>(xi: &[Lanes<W>; D], inside: &mut [bool; W]);
+/// Numbers of a cell's functions among the active ones; all functions of an active cell have one.
+#[inline(always)]
+pub fn numbers<const N: usize>(dofs: &ActiveDofs, nodes: &[u32]) -> [usize; N] {
+    let mut numbers = [0; N];
+    for (number, &node) in numbers.iter_mut().zip(nodes) {
+        *number = dofs.number(node).unwrap_or(0);
+    }
+    numbers
 }
 
-macro_rules! grid_cell {
-    ($shape:ident, $d:literal, $n:literal, $holds:ident) => {
-        impl GridCell<$d, $n> for $shape {
-            #[inline(always)]
-            fn of(_: &ModelPart, _: usize) -> Self {
-                $shape
-            }
-
-            #[inline(always)]
-            fn holds<const W: usize>(xi: &[Lanes<W>; $d], inside: &mut [bool; W]) {
-                $holds(xi, inside);
-            }
+/// Values of functions by their numbers out of a vector over the active dofs; zeros if it is empty.
+#[inline(always)]
+pub fn vectors_of<const D: usize, const N: usize>(numbers: &[usize; N], values: &[f64]) -> [[f64; D]; N] {
+    let mut vectors = [[0.0; D]; N];
+    if !values.is_empty() {
+        for i in 0..N {
+            vectors[i].copy_from_slice(&values[numbers[i] * D..(numbers[i] + 1) * D]);
         }
-    };
-}
-
-grid_cell!(Line2, 1, 2, cube_holds);
-grid_cell!(Triangle3, 2, 3, simplex_holds);
-grid_cell!(Quadrilateral4, 2, 4, cube_holds);
-grid_cell!(Tetrahedron4, 3, 4, simplex_holds);
-grid_cell!(Hexahedron8, 3, 8, cube_holds);
-
-#[inline(always)]
-fn cube_holds<const D: usize, const W: usize>(xi: &[Lanes<W>; D], inside: &mut [bool; W]) {
-    for l in 0..W {
-        inside[l] = xi.iter().all(|x| x.0[l].abs() <= 1.0);
     }
+    vectors
 }
 
+/// Values of a cell's functions out of a vector over the active dofs; zeros if it is empty.
 #[inline(always)]
-fn simplex_holds<const D: usize, const W: usize>(xi: &[Lanes<W>; D], inside: &mut [bool; W]) {
-    for l in 0..W {
-        let sum: f64 = xi.iter().map(|x| x.0[l]).sum();
-        inside[l] = xi.iter().all(|x| x.0[l] >= 0.0) && sum <= 1.0;
-    }
-}
-
-/// Coordinates of a cell's nodes.
-#[inline]
-pub fn corners<const D: usize, const N: usize>(grid: &ModelPart, nodes: &[u32]) -> [[f64; D]; N] {
-    grid.nodes.gather(nodes)
-}
-
-/// Values of a cell's nodes out of a vector over the active dofs; zeros if it is empty.
-#[inline]
 pub fn nodal_vectors<const D: usize, const N: usize>(
     dofs: &ActiveDofs,
     nodes: &[u32],
     values: &[f64],
 ) -> [[f64; D]; N] {
-    dofs.gather(nodes, values)
+    vectors_of(&numbers(dofs, nodes), values)
 }
 
 /// Writes a vector over the active dofs to a column of the grid; other nodes keep their values.

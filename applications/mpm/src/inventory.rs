@@ -168,7 +168,8 @@ pub fn energies(model: &Model) -> Vec<(&'static str, f64)> {
     if block.is_some_and(|block| block.velocity.is_used()) {
         list.push(("kinetic", energies.kinetic));
     }
-    if block.is_some_and(|block| block.strain.is_used() && block.volume.is_used()) {
+    let told = |block: &Block| block.has_energy || (block.strain.is_used() && block.volume.is_used());
+    if points.blocks.iter().all(told) {
         list.push(("strain", energies.strain));
     }
     list

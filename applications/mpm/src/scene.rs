@@ -160,8 +160,9 @@ impl Scene {
                     errors.push(unknown(&mut fields::CONDITION_VARIABLES.iter().copied()));
                 }
                 Location::Elements => errors.push(unknown(&mut std::iter::empty())),
-                Location::Nodes if !NODAL_VARIABLES.contains(&name) => {
-                    errors.push(unknown(&mut NODAL_VARIABLES.iter().copied()));
+                Location::Nodes if !NODAL_VARIABLES.contains(&name) && !requirements.provided.contains(&name) => {
+                    let names = NODAL_VARIABLES.iter().chain(&requirements.provided);
+                    errors.push(unknown(&mut names.copied()));
                 }
                 _ => {}
             }
@@ -230,7 +231,7 @@ pub fn with_points<T>(
 /// Gives points and conditions the local coordinates of functions that are not the mesh's.
 fn localise(points: &mut MaterialPoints, space: &Space) {
     let dimension = points.dimension();
-    for block in &mut points.blocks {
+    for block in points.blocks.iter_mut().filter(|block| block.local.is_used()) {
         for point in 0..block.len() {
             let xi = space.local(block.cell[point] as usize, block.coordinates(point), [0.0; 3]);
             block.local.row_mut(point).copy_from_slice(&xi[..dimension]);

@@ -182,7 +182,7 @@ impl Space {
     }
 
     /// The functions that do not vanish in a cell, in the cell's order.
-    #[inline]
+    #[inline(always)]
     pub fn nodes_of(&self, cell: usize) -> &[u32] {
         &self.of_cells[self.starts[cell] as usize..self.starts[cell + 1] as usize]
     }
@@ -192,14 +192,31 @@ impl Space {
         self.positions[function]
     }
 
-    /// Anchors of the functions of a cell.
+    /// Whether the functions of two cells have one type (see [`with_basis`]).
     #[inline]
+    pub fn alike(&self, one: usize, other: usize) -> bool {
+        match &self.functions {
+            Functions::Mesh(shapes) => shapes.get(one) == shapes.get(other),
+            Functions::Tensor(_) => true,
+        }
+    }
+
+    /// The anchor of a function in `D` coordinates.
+    #[inline(always)]
+    pub fn coordinates<const D: usize>(&self, function: u32) -> [f64; D] {
+        let mut x = [0.0; D];
+        x.copy_from_slice(&self.positions[function as usize][..D]);
+        x
+    }
+
+    /// Anchors of the functions of a cell.
+    #[inline(always)]
     pub fn corners<const D: usize, const N: usize>(&self, cell: usize) -> [[f64; D]; N] {
-        let nodes = self.nodes_of(cell);
-        std::array::from_fn(|i| {
-            let x = &self.positions[nodes[i] as usize];
-            std::array::from_fn(|a| x[a])
-        })
+        let mut corners = [[0.0; D]; N];
+        for (corner, &node) in corners.iter_mut().zip(self.nodes_of(cell)) {
+            corner.copy_from_slice(&self.positions[node as usize][..D]);
+        }
+        corners
     }
 
     /// Local coordinates of a position in a cell, given those in the mesh's own cell.

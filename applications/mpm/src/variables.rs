@@ -28,14 +28,22 @@ variables! {
     vector MP_VOLUME_ACCELERATION, "m/s²", "body force per mass of a material point";
     vector MP_BODY_ACCELERATION, "m/s²", "part of the body force per mass that functions give";
     voigt MP_CAUCHY_STRESS_VECTOR, "Pa", "Cauchy stress of a material point";
-    voigt MP_ALMANSI_STRAIN_VECTOR, "1", "strain of a material point, in the measure of its law";
+    voigt MP_ALMANSI_STRAIN_VECTOR, "1",
+        "Euler-Almansi strain of a material point, or the strain that its law accumulates";
+    voigt MP_GREEN_LAGRANGE_STRAIN_VECTOR, "1", "Green-Lagrange strain of a material point";
+    voigt MP_HENCKY_STRAIN_VECTOR, "1", "logarithmic strain of a material point, in the deformed body's axes";
+    voigt MP_PK2_STRESS_VECTOR, "Pa", "second Piola-Kirchhoff stress of a material point";
+    tensor MP_PK1_STRESS_TENSOR, "Pa", "first Piola-Kirchhoff stress of a material point";
+    scalar MP_EQUIVALENT_STRESS, "Pa", "von Mises stress of a material point";
+    tensor MP_DEFORMATION_GRADIENT, "1", "deformation gradient of a material point";
+    scalar MP_DETERMINANT_F, "1", "volume ratio of a material point";
     scalar MP_MASS, "kg", "mass of a material point";
     scalar MP_VOLUME, "m³", "volume of a material point";
     scalar MP_DENSITY, "kg/m³", "density of a material point";
     scalar MP_MATERIAL_ID, "1", "id of the properties of a material point";
     scalar MP_POTENTIAL_ENERGY, "J", "potential energy of a material point";
     scalar MP_KINETIC_ENERGY, "J", "kinetic energy of a material point";
-    scalar MP_STRAIN_ENERGY, "J", "half the work of stress on strain of a material point";
+    scalar MP_STRAIN_ENERGY, "J", "strain energy of a material point, by its law";
     scalar MP_TOTAL_ENERGY, "J", "sum of the energies of a material point";
     vector MPC_COORD, "m", "position of a material-point condition";
     vector MPC_DISPLACEMENT, "m", "displacement of a material-point condition";

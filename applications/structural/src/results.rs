@@ -91,7 +91,7 @@ impl ElementResults {
     pub fn write(&self, part: &mut ModelPart, variables: &[Variable], components: &[usize]) {
         for variable in variables {
             let Some(index) = ELEMENTAL.iter().position(|other| other.name == variable.name) else { continue };
-            let column = part.element_fields.tensor_mut(variable, components.len(), self.means.len());
+            let column = part.element_fields.rows_mut(variable, components.len(), self.means.len());
             for (element, means) in self.means.iter().enumerate() {
                 let row = column.row_mut(element).iter_mut();
                 row.zip(components).for_each(|(entry, &component)| *entry = means[index][component]);

@@ -95,6 +95,7 @@ impl Analysis {
         for process in &processes {
             process.require(&mut requirements);
         }
+        std::mem::take(&mut requirements.faults).or(())?;
         solver.initialize(&mut model, &requirements)?;
         let mut errors = InputErrors::default();
         for process in &mut processes {

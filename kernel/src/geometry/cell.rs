@@ -2,7 +2,6 @@
 
 use super::Shape;
 use crate::lanes::Real;
-use std::array::from_fn;
 
 /// A shape with `D` local coordinates and `N` nodes.
 pub trait CellShape<const D: usize, const N: usize>: Copy + Send + Sync + 'static {
@@ -81,13 +80,12 @@ impl CellShape<1, 2> for Line2 {
 
     #[inline(always)]
     fn functions<R: Real>(&[x]: &[R; 1]) -> [R; 2] {
-        let one = R::splat(1.0);
-        [(one - x) * 0.5, (one + x) * 0.5]
+        [(x.constant(1.0) - x) * 0.5, (x + 1.0) * 0.5]
     }
 
     #[inline(always)]
-    fn gradients<R: Real>(_: &[R; 1]) -> [[R; 1]; 2] {
-        [[R::splat(-0.5)], [R::splat(0.5)]]
+    fn gradients<R: Real>(&[x]: &[R; 1]) -> [[R; 1]; 2] {
+        [[x.constant(-0.5)], [x.constant(0.5)]]
     }
 }
 
@@ -96,12 +94,12 @@ impl CellShape<2, 3> for Triangle3 {
 
     #[inline(always)]
     fn functions<R: Real>(&[x, y]: &[R; 2]) -> [R; 3] {
-        [R::splat(1.0) - x - y, x, y]
+        [x.constant(1.0) - x - y, x, y]
     }
 
     #[inline(always)]
-    fn gradients<R: Real>(_: &[R; 2]) -> [[R; 2]; 3] {
-        let (one, zero) = (R::splat(1.0), R::splat(0.0));
+    fn gradients<R: Real>(&[x, _]: &[R; 2]) -> [[R; 2]; 3] {
+        let (one, zero) = (x.constant(1.0), x.constant(0.0));
         [[-one, -one], [one, zero], [zero, one]]
     }
 }
@@ -128,12 +126,12 @@ impl CellShape<3, 4> for Tetrahedron4 {
 
     #[inline(always)]
     fn functions<R: Real>(&[x, y, z]: &[R; 3]) -> [R; 4] {
-        [R::splat(1.0) - x - y - z, x, y, z]
+        [x.constant(1.0) - x - y - z, x, y, z]
     }
 
     #[inline(always)]
-    fn gradients<R: Real>(_: &[R; 3]) -> [[R; 3]; 4] {
-        let (one, zero) = (R::splat(1.0), R::splat(0.0));
+    fn gradients<R: Real>(&[x, ..]: &[R; 3]) -> [[R; 3]; 4] {
+        let (one, zero) = (x.constant(1.0), x.constant(0.0));
         [[-one; 3], [one, zero, zero], [zero, one, zero], [zero, zero, one]]
     }
 }
@@ -188,11 +186,11 @@ pub(super) fn transformed<R: Real, const D: usize, const N: usize>(
     local: &[[R; D]; N],
 ) -> ([[R; D]; N], R) {
     let (adjugate, determinant) = adjugate(&jacobian(corners, local));
-    let mut gradients = [[R::splat(0.0); D]; N];
+    let mut gradients = *local;
     for a in 0..N {
         for i in 0..D {
-            let mut sum = R::splat(0.0);
-            for j in 0..D {
+            let mut sum = local[a][0] * adjugate[0][i];
+            for j in 1..D {
                 sum += local[a][j] * adjugate[j][i];
             }
             gradients[a][i] = sum / determinant;
@@ -203,11 +201,11 @@ pub(super) fn transformed<R: Real, const D: usize, const N: usize>(
 
 /// J\[i\]\[j\] = Σ_a X_a\[i\] ∂N_a/∂ξ_j.
 #[inline(always)]
-pub(super) fn jacobian<R: Real, const D: usize, const N: usize>(
+pub fn jacobian<R: Real, const D: usize, const N: usize>(
     corners: &[[f64; D]; N],
     gradients: &[[R; D]; N],
 ) -> [[R; D]; D] {
-    let mut jacobian = [[R::splat(0.0); D]; D];
+    let mut jacobian = [[gradients[0][0].constant(0.0); D]; D];
     for a in 0..N {
         for i in 0..D {
             for j in 0..D {
@@ -220,12 +218,12 @@ pub(super) fn jacobian<R: Real, const D: usize, const N: usize>(
 
 /// Adjugate and determinant of a matrix of at most 3 × 3: m · adj m = det m · 1.
 #[inline(always)]
-pub(super) fn adjugate<R: Real, const D: usize>(m: &[[R; D]; D]) -> ([[R; D]; D], R) {
+pub fn adjugate<R: Real, const D: usize>(m: &[[R; D]; D]) -> ([[R; D]; D], R) {
     const { assert!(D >= 1 && D <= 3) };
-    let mut adjugate = [[R::splat(1.0); D]; D];
+    let mut adjugate = [[m[0][0].constant(1.0); D]; D];
     if D == 2 {
-        adjugate[0] = from_fn(|j| [m[1][1], -m[0][1]][j]);
-        adjugate[1] = from_fn(|j| [-m[1][0], m[0][0]][j]);
+        adjugate[0].copy_from_slice(&[m[1][1], -m[0][1]]);
+        adjugate[1].copy_from_slice(&[-m[1][0], m[0][0]]);
     } else if D == 3 {
         for i in 0..3 {
             let (i1, i2) = ((i + 1) % 3, (i + 2) % 3);
@@ -235,8 +233,8 @@ pub(super) fn adjugate<R: Real, const D: usize>(m: &[[R; D]; D]) -> ([[R; D]; D]
             }
         }
     }
-    let mut determinant = R::splat(0.0);
-    for j in 0..D {
+    let mut determinant = m[0][0] * adjugate[0][0];
+    for j in 1..D {
         determinant += m[0][j] * adjugate[j][0];
     }
     (adjugate, determinant)

@@ -18,7 +18,7 @@ mod shape;
 mod table;
 mod tensor;
 
-pub use cell::{CellBasis, CellShape, Hexahedron8, Line2, Quadrilateral4, Tetrahedron4, Triangle3, physical_gradients};
+pub use cell::{CellBasis, CellShape, Hexahedron8, Line2, Quadrilateral4, Tetrahedron4, Triangle3, adjugate, jacobian, physical_gradients};
 pub use check::{CellFault, check_cells};
 pub use inverse::{inverse_map, local_coordinates};
 pub use locate::CellLocator;

@@ -50,7 +50,7 @@ impl<S: CellShape<D, N>, const D: usize, const N: usize> PlacedBasis<D, N> for M
 
     #[inline(always)]
     fn position<R: Real>(&self, _: &[R; D], functions: &[R; N]) -> [R; D] {
-        let mut x = [R::splat(0.0); D];
+        let mut x = [functions[0].constant(0.0); D];
         for a in 0..N {
             for i in 0..D {
                 x[i] += functions[a] * self.corners[a][i];

@@ -199,18 +199,54 @@ impl TensorBasis {
 impl<const D: usize, const N: usize, const P1: usize> TensorCell<'_, D, N, P1> {
     const SIZES_MATCH: () = assert!(N == P1.pow(D as u32), "a cell has (degree + 1)^D functions");
 
+    /// Centre of the cell in m.
+    #[inline(always)]
+    pub fn center(&self) -> &[f64; D] {
+        &self.center
+    }
+
+    /// Half of the cell's edges in m.
+    #[inline(always)]
+    pub fn half(&self) -> &[f64; D] {
+        &self.half
+    }
+
     /// Values and slopes by ξ_d of the polynomials of one axis.
     #[inline(always)]
     fn along<R: Real>(&self, d: usize, xi: R) -> ([R; P1], [R; P1]) {
-        let mut values = self.tables[d][P1 - 1].map(R::splat);
-        let mut slopes = [R::splat(0.0); P1];
+        let (mut values, mut slopes) = ([xi; P1], [xi.constant(0.0); P1]);
+        for a in 0..P1 {
+            values[a] = xi.constant(self.tables[d][P1 - 1][a]);
+        }
         for k in (0..P1 - 1).rev() {
             for a in 0..P1 {
                 slopes[a] = slopes[a] * xi + values[a];
-                values[a] = values[a] * xi + R::splat(self.tables[d][k][a]);
+                values[a] = values[a] * xi + self.tables[d][k][a];
             }
         }
         (values, slopes)
+    }
+
+    /// Gradients with the slopes along each axis times a factor.
+    #[inline(always)]
+    fn scaled_gradients<R: Real>(&self, xi: &[R; D], factors: &[f64; D]) -> [[R; D]; N] {
+        let (mut values, mut slopes) = ([[xi[0]; P1]; D], [[xi[0]; P1]; D]);
+        for d in 0..D {
+            (values[d], slopes[d]) = self.along(d, xi[d]);
+            for slope in &mut slopes[d] {
+                *slope = *slope * factors[d];
+            }
+        }
+        let mut gradients = [[xi[0]; D]; N];
+        for j in 0..D {
+            let mut of_axis = values;
+            of_axis[j] = slopes[j];
+            let column = Self::product(&of_axis);
+            for a in 0..N {
+                gradients[a][j] = column[a];
+            }
+        }
+        gradients
     }
 
     /// Π_d f_d with the factors of each function.
@@ -236,34 +272,36 @@ impl<const D: usize, const N: usize, const P1: usize> TensorCell<'_, D, N, P1> {
 impl<const D: usize, const N: usize, const P1: usize> CellBasis<D, N> for TensorCell<'_, D, N, P1> {
     #[inline(always)]
     fn functions<R: Real>(&self, xi: &[R; D]) -> [R; N] {
-        Self::product(&from_fn(|d| self.along(d, xi[d]).0))
+        let mut factors = [[xi[0]; P1]; D];
+        for d in 0..D {
+            factors[d] = self.along(d, xi[d]).0;
+        }
+        Self::product(&factors)
     }
 
     #[inline(always)]
     fn gradients<R: Real>(&self, xi: &[R; D]) -> [[R; D]; N] {
-        let along: [([R; P1], [R; P1]); D] = from_fn(|d| self.along(d, xi[d]));
-        let columns: [[R; N]; D] =
-            from_fn(|j| Self::product(&from_fn(|d| if d == j { along[d].1 } else { along[d].0 })));
-        from_fn(|a| from_fn(|j| columns[j][a]))
+        self.scaled_gradients(xi, &[1.0; D])
     }
 }
 
 impl<const D: usize, const N: usize, const P1: usize> PlacedBasis<D, N> for TensorCell<'_, D, N, P1> {
     #[inline(always)]
     fn physical_gradients<R: Real>(&self, xi: &[R; D]) -> [[R; D]; N] {
-        let along: [([R; P1], [R; P1]); D] = from_fn(|d| {
-            let (values, slopes) = self.along(d, xi[d]);
-            let per_length = 1.0 / self.half[d];
-            (values, slopes.map(|slope| slope * per_length))
-        });
-        let columns: [[R; N]; D] =
-            from_fn(|j| Self::product(&from_fn(|d| if d == j { along[d].1 } else { along[d].0 })));
-        from_fn(|a| from_fn(|j| columns[j][a]))
+        let mut per_length = self.half;
+        for d in 0..D {
+            per_length[d] = 1.0 / self.half[d];
+        }
+        self.scaled_gradients(xi, &per_length)
     }
 
     #[inline(always)]
     fn position<R: Real>(&self, xi: &[R; D], _: &[R; N]) -> [R; D] {
-        from_fn(|d| xi[d] * self.half[d] + R::splat(self.center[d]))
+        let mut x = *xi;
+        for d in 0..D {
+            x[d] = xi[d] * self.half[d] + self.center[d];
+        }
+        x
     }
 }
 

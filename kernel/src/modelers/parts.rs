@@ -195,8 +195,10 @@ pub(super) fn append(root: &mut ModelPart, mesh: &Mesh, element: &str) -> (u32, 
     let (first_node, first_cell) = (root.nodes.len() as u32, root.elements.len() as u32);
     root.nodes.ids.extend((0..mesh.nodes.len() as u32).map(|i| first_node + i + 1));
     root.nodes.coordinates.extend_from_slice(&mesh.nodes);
+    let mut nodes = Vec::new();
     for index in 0..mesh.len() {
-        let nodes: Vec<u32> = mesh.cell(index).iter().map(|node| first_node + node).collect();
+        nodes.clear();
+        nodes.extend(mesh.cell(index).iter().map(|node| first_node + node));
         root.elements.push(first_cell + index as u32 + 1, element, mesh.shape, 0, &nodes);
     }
     (first_node, first_cell)

@@ -87,14 +87,19 @@ pub struct Requirements {
     pub energies: bool,
     /// Everything that the account of a run (`--record`) holds.
     pub record: bool,
+    /// Nodal variables that processes write.
+    pub provided: Vec<&'static str>,
+    /// Faults of what processes read and write between them.
+    pub faults: InputErrors,
 }
 
 impl Requirements {
     /// Those of the variables that a solver knows at a location which are wanted there; the others
-    /// that are wanted there become errors.
+    /// that are wanted there become errors, unless a process provides them.
     pub fn choose(&self, location: Location, known: &[Variable], errors: &mut InputErrors) -> Vec<Variable> {
         let mut chosen: Vec<Variable> = Vec::new();
-        for wanted in self.variables.iter().filter(|wanted| wanted.location == location) {
+        let provided = |name: &str| location == Location::Nodes && self.provided.contains(&name);
+        for wanted in self.variables.iter().filter(|wanted| wanted.location == location && !provided(&wanted.variable)) {
             match known.iter().find(|variable| variable.name == wanted.variable) {
                 Some(variable) if chosen.iter().any(|other| other.name == variable.name) => {}
                 Some(variable) => chosen.push(*variable),
@@ -106,6 +111,18 @@ impl Requirements {
             }
         }
         chosen
+    }
+
+    /// Says that the process at `place` writes a nodal variable, at the end of each step. Processes
+    /// that read it must come after it, and no other may write it.
+    pub fn provide(&mut self, variable: &'static str, place: &Parameters) {
+        if self.provided.contains(&variable) {
+            self.faults.push(place.error(format!("another process writes {variable:?} to the nodes, too")));
+        } else if self.wants(Location::Nodes, variable) {
+            let message = format!("a process before this one reads {variable:?} of the nodes, which this one writes");
+            self.faults.push(place.error(message).help("put this process before it, in an earlier list"));
+        }
+        self.provided.push(variable);
     }
 
     /// True when a variable is wanted at a location.

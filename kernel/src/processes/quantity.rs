@@ -5,7 +5,7 @@ use crate::diagnostic::InputErrors;
 use crate::io::history::Series;
 use crate::parameters::{Parameters, Settings};
 use crate::registry::Registry;
-use crate::variables::{Fields, Rank, Variable};
+use crate::variables::{Column, Fields, Rank, Variable};
 
 /// A variable, or one component of a vector variable, that the input names.
 #[derive(Debug, Clone)]
@@ -61,26 +61,31 @@ impl Quantity {
         match (self.variable.rank, self.component) {
             (Rank::Vector, None) => ["X", "Y", "Z"].map(|axis| number(format!("{}_{axis}", self.name))).into(),
             (Rank::Voigt, _) => vec![Series { name: self.name.clone(), list: Some(tensor) }],
+            (Rank::Tensor, _) => vec![Series { name: self.name.clone(), list: Some(9) }],
             _ => vec![number(self.name.clone())],
         }
     }
 
-    /// Numbers that the quantity has on a node (or condition); symmetric tensors have more.
-    pub fn width(&self) -> usize {
-        if self.variable.rank == Rank::Vector && self.component.is_none() { 3 } else { 1 }
+    /// Numbers that the quantity has on a node (or condition); 1 for a tensor without a column.
+    pub fn width(&self, fields: &Fields) -> usize {
+        match (self.variable.rank, self.component) {
+            (Rank::Vector, None) => 3,
+            (Rank::Voigt | Rank::Tensor, _) => fields.rows(&self.variable).map_or(1, Column::width),
+            _ => 1,
+        }
     }
 
     /// Appends the value of a node (or cell); zero where the variable has no column.
     pub fn append(&self, fields: &Fields, index: usize, out: &mut Vec<f64>) {
         let components = match self.component {
             Some(component) => component..component + 1,
-            None => 0..self.width(),
+            None => 0..self.width(fields),
         };
         match (self.variable.rank, fields.vector(&self.variable), fields.scalar(&self.variable)) {
             (Rank::Vector, Some(column), _) => out.extend_from_slice(&column[index][components]),
             (Rank::Scalar, _, Some(column)) => out.push(column[index]),
-            (Rank::Voigt, ..) if fields.tensor(&self.variable).is_some() => {
-                out.extend(fields.tensor(&self.variable).iter().flat_map(|column| column.row(index)));
+            (Rank::Voigt | Rank::Tensor, ..) if let Some(column) = fields.rows(&self.variable) => {
+                out.extend_from_slice(column.row(index));
             }
             _ => out.extend(components.map(|_| 0.0)),
         }

@@ -1,17 +1,8 @@
 //! A cell as the kernels see it: its functions, and the map between its local coordinates and space.
 
-use bia_constitutive::tensor::adjugate;
-use bia_kernel::geometry::CellBasis;
-use bia_kernel::lanes::Real;
-
-/// The map x = x₀ + J ξ of a cell with parallel sides.
-#[derive(Debug, Clone, Copy)]
-pub struct AffineMap<const D: usize> {
-    /// x₀, the place of ξ = 0.
-    origin: [f64; D],
-    /// J⁻¹.
-    inverse: [[f64; D]; D],
-}
+use crate::space::{Functions, Space};
+use bia_kernel::geometry::{CellShape, MeshCell, PlacedBasis, Shape, TensorCell, adjugate, jacobian};
+use bia_kernel::lanes::{Lanes, Real, WIDTH};
 
 /// How local coordinates are had.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -22,48 +13,181 @@ pub struct Mapping {
     pub stored: bool,
 }
 
+/// The map x = x₀ + J ξ of a cell with parallel sides.
+#[derive(Debug, Clone, Copy)]
+pub struct AffineMap<const D: usize> {
+    /// x₀, the place of ξ = 0.
+    origin: [f64; D],
+    /// J⁻¹.
+    inverse: [[f64; D]; D],
+    /// The cell is a triangle or tetrahedron.
+    simplex: bool,
+}
+
+/// Functions of the cells of a space, by type.
+pub trait CellOf<'a, const D: usize, const N: usize>: PlacedBasis<D, N> {
+    /// Those of one cell; none if it has another type.
+    fn of(space: &'a Space, cell: usize) -> Option<Self>;
+
+    /// The map of a cell with parallel sides; none if it has another type.
+    fn map(space: &'a Space, cell: usize) -> Option<AffineMap<D>>;
+
+    /// J⁻¹ at ξ, `[local][space]`.
+    fn inverse_jacobian<R: Real>(&self, xi: &[R; D]) -> [[R; D]; D];
+}
+
 /// One cell.
 pub struct Cell<B, const D: usize, const N: usize> {
     /// Functions.
     pub basis: B,
-    /// Places of its nodes.
-    pub nodes: [[f64; D]; N],
     map: Option<AffineMap<D>>,
     stored: bool,
 }
 
-impl<const D: usize> AffineMap<D> {
+impl<'a, S: CellShape<D, N>, const D: usize, const N: usize> CellOf<'a, D, N> for MeshCell<S, D, N> {
+
     #[inline(always)]
-    fn of<B: CellBasis<D, N>, const N: usize>(basis: &B, nodes: &[[f64; D]; N]) -> Self {
-        let (functions, gradients) = (basis.functions(&[0.0; D]), basis.gradients(&[0.0; D]));
-        let mut origin = [0.0; D];
-        for i in 0..N {
-            for a in 0..D {
-                origin[a] += functions[i] * nodes[i][a];
-            }
-        }
-        Self { origin, inverse: inverse(&jacobian(nodes, &gradients)) }
+    fn of(space: &'a Space, cell: usize) -> Option<Self> {
+        Some(Self::new(space.corners(cell)))
     }
 
     #[inline(always)]
-    fn local<R: Real>(&self, x: &[R; D]) -> [R; D] {
-        let mut xi = [R::splat(0.0); D];
+    fn map(space: &'a Space, cell: usize) -> Option<AffineMap<D>> {
+        let nodes = space.nodes_of(cell);
+        Some(affine_map::<S, D, N>(|corner| space.coordinates(nodes[corner])))
+    }
+
+    #[inline(always)]
+    fn inverse_jacobian<R: Real>(&self, xi: &[R; D]) -> [[R; D]; D] {
+        let gradients = <S as CellShape<D, N>>::gradients(xi);
+        let (mut inverse, determinant) = adjugate(&jacobian(&self.corners, &gradients));
+        let scale = determinant.constant(1.0) / determinant;
+        for c in 0..D {
+            for a in 0..D {
+                inverse[c][a] *= scale;
+            }
+        }
+        inverse
+    }
+}
+
+impl<'a, const D: usize, const N: usize, const P1: usize> CellOf<'a, D, N> for TensorCell<'a, D, N, P1> {
+    #[inline(always)]
+    fn of(space: &'a Space, cell: usize) -> Option<Self> {
+        match space.functions() {
+            Functions::Tensor(tensor) => tensor.basis.cell(cell),
+            Functions::Mesh(_) => None,
+        }
+    }
+
+    #[inline(always)]
+    fn map(space: &'a Space, cell: usize) -> Option<AffineMap<D>> {
+        Self::of(space, cell).map(|basis| basis.affine_map())
+    }
+
+    #[inline(always)]
+    fn inverse_jacobian<R: Real>(&self, xi: &[R; D]) -> [[R; D]; D] {
+        self.affine_map().inverse(xi[0])
+    }
+}
+
+/// Boxes of regular grids.
+trait BoxMap<const D: usize> {
+    fn affine_map(&self) -> AffineMap<D>;
+}
+
+impl<const D: usize, const N: usize, const P1: usize> BoxMap<D> for TensorCell<'_, D, N, P1> {
+    #[inline(always)]
+    fn affine_map(&self) -> AffineMap<D> {
+        let mut inverse = [[0.0; D]; D];
         for a in 0..D {
-            let offset = x[a] - R::splat(self.origin[a]);
+            inverse[a][a] = 1.0 / self.half()[a];
+        }
+        AffineMap { origin: *self.center(), inverse, simplex: false }
+    }
+}
+
+/// The map of a cell with parallel sides, from one corner and its neighbours along the local axes.
+#[inline(always)]
+fn affine_map<S: CellShape<D, N>, const D: usize, const N: usize>(
+    corner: impl Fn(usize) -> [f64; D],
+) -> AffineMap<D> {
+    let simplex = is_simplex(S::SHAPE);
+    // Neighbours of the first corner along the local axes.
+    let neighbours = if simplex { [1, 2, 3] } else { [1, 3, 4] };
+    let (least, length) = if simplex { (0.0, 1.0) } else { (-1.0, 2.0) };
+    let mut origin = corner(0);
+    let first = origin;
+    let mut jacobian = [[0.0; D]; D];
+    for c in 0..D {
+        let next = corner(neighbours[c]);
+        for a in 0..D {
+            jacobian[a][c] = (next[a] - first[a]) * (1.0 / length);
+            origin[a] -= jacobian[a][c] * least;
+        }
+    }
+    let (mut inverse, determinant) = adjugate(&jacobian);
+    for row in &mut inverse {
+        for entry in row {
+            *entry /= determinant;
+        }
+    }
+    AffineMap { origin, inverse, simplex }
+}
+
+const fn is_simplex(shape: Shape) -> bool {
+    matches!(shape, Shape::Triangle3 | Shape::Tetrahedron4)
+}
+
+impl<const D: usize> AffineMap<D> {
+    #[inline(always)]
+    fn local<R: Real>(&self, x: &[R; D]) -> [R; D] {
+        let mut xi = [x[0].constant(0.0); D];
+        for a in 0..D {
+            let offset = x[a] - self.origin[a];
             for c in 0..D {
                 xi[c] += offset * self.inverse[c][a];
             }
         }
         xi
     }
+
+    /// Which positions lie in the cell.
+    #[inline(always)]
+    pub fn holds<S: pulp::Simd>(&self, x: &[Lanes<S>; D]) -> [bool; WIDTH] {
+        let xi = self.local(x);
+        let (mut low, mut high) = (xi[0], xi[0]);
+        for a in 1..D {
+            low = low.min(xi[a]);
+            high = if self.simplex { high + xi[a] } else { high.max(xi[a]) };
+        }
+        let (low, high) = (low.pack(), high.pack());
+        let least = if self.simplex { 0.0 } else { -1.0 };
+        let mut inside = [false; WIDTH];
+        for l in 0..WIDTH {
+            inside[l] = low.0[l] >= least && high.0[l] <= 1.0;
+        }
+        inside
+    }
+
+    #[inline(always)]
+    fn inverse<R: Real>(&self, of: R) -> [[R; D]; D] {
+        let mut inverse = [[of; D]; D];
+        for c in 0..D {
+            for a in 0..D {
+                inverse[c][a] = of.constant(self.inverse[c][a]);
+            }
+        }
+        inverse
+    }
 }
 
-impl<B: CellBasis<D, N>, const D: usize, const N: usize> Cell<B, D, N> {
-    /// A cell with these functions and nodes.
+impl<'a, B: CellOf<'a, D, N>, const D: usize, const N: usize> Cell<B, D, N> {
+    /// A cell of a space; none if it has another type.
     #[inline(always)]
-    pub fn new(basis: B, nodes: [[f64; D]; N], mapping: Mapping) -> Self {
-        let map = if mapping.affine { Some(AffineMap::of(&basis, &nodes)) } else { None };
-        Self { basis, nodes, map, stored: mapping.stored }
+    pub fn of(space: &'a Space, cell: usize, mapping: Mapping) -> Option<Self> {
+        let map = if mapping.affine { Some(B::map(space, cell)?) } else { None };
+        Some(Self { basis: B::of(space, cell)?, map, stored: mapping.stored })
     }
 
     /// Local coordinates of positions, or those stored.
@@ -75,89 +199,44 @@ impl<B: CellBasis<D, N>, const D: usize, const N: usize> Cell<B, D, N> {
         }
     }
 
-    /// Distance from the axis of axisymmetric scenes, where the functions have these values.
+    /// J⁻¹ at ξ, `[local][space]`.
     #[inline(always)]
-    pub fn radius<R: Real>(&self, functions: &[R; N]) -> R {
-        let mut radius = R::splat(0.0);
-        for i in 0..N {
-            radius += functions[i] * self.nodes[i][0];
+    pub fn inverse_jacobian<R: Real>(&self, xi: &[R; D]) -> [[R; D]; D] {
+        match &self.map {
+            Some(map) => map.inverse(xi[0]),
+            None => self.basis.inverse_jacobian(xi),
         }
-        radius
     }
 
-    /// J⁻¹, `[local][space]`, where the functions have these local gradients.
+    /// Distance of ξ from the axis of axisymmetric scenes.
     #[inline(always)]
-    pub fn inverse_jacobian<R: Real>(&self, gradients: &[[R; D]; N]) -> [[R; D]; D] {
-        match &self.map {
-            Some(map) => {
-                let mut inverse = [[R::splat(0.0); D]; D];
-                for c in 0..D {
-                    for a in 0..D {
-                        inverse[c][a] = R::splat(map.inverse[c][a]);
-                    }
-                }
-                inverse
+    pub fn radius<R: Real>(&self, xi: &[R; D]) -> R {
+        self.basis.position(xi, &self.basis.functions(xi))[0]
+    }
+
+    /// The map, if it tells which positions the cell holds; ones beyond the dimension.
+    #[inline(always)]
+    pub fn place(&self) -> Option<AffineMap<3>> {
+        let (Some(map), false) = (&self.map, self.stored) else { return None };
+        let mut place = AffineMap { origin: [0.0; 3], inverse: [[0.0; 3]; 3], simplex: map.simplex };
+        for a in 0..D {
+            place.origin[a] = map.origin[a];
+            for c in 0..D {
+                place.inverse[c][a] = map.inverse[c][a];
             }
-            None => inverse(&jacobian(&self.nodes, gradients)),
         }
+        Some(place)
     }
 }
 
 /// Whether a cell's map is affine but for round-off of its corners' coordinates.
-pub fn is_affine<B: CellBasis<D, N>, const D: usize, const N: usize>(
-    basis: &B,
-    nodes: &[[f64; D]; N],
-    references: &[[f64; D]; N],
-) -> bool {
-    let map = AffineMap::of(basis, nodes);
-    let size = nodes.iter().flatten().fold(0.0f64, |size, x| size.max(x.abs()));
-    let step = inverse(&map.inverse).iter().flatten().fold(0.0f64, |step, j| step.max(j.abs()));
-    // One unit of rounding in a coordinate is so many local units.
-    let tolerance = 1e-13 + 16.0 * f64::EPSILON * size / step;
-    let near = |(node, reference): (&[f64; D], &[f64; D])| {
-        map.local(node).iter().zip(reference).all(|(xi, expected)| (xi - expected).abs() <= tolerance)
-    };
-    nodes.iter().zip(references).all(near)
-}
-
-#[inline(always)]
-fn jacobian<R: Real, const D: usize, const N: usize>(nodes: &[[f64; D]; N], gradients: &[[R; D]; N]) -> [[R; D]; D] {
-    let mut sum = [[R::splat(0.0); D]; D];
-    for i in 0..N {
-        for a in 0..D {
-            for c in 0..D {
-                sum[a][c] += gradients[i][c] * nodes[i][a];
-            }
-        }
-    }
-    sum
-}
-
-/// Inverse of a matrix of at most 3 × 3; not finite if it has none.
-#[inline(always)]
-fn inverse<R: Real, const D: usize>(m: &[[R; D]; D]) -> [[R; D]; D] {
-    let one = R::splat(1.0);
-    let mut out = *m;
-    match D {
-        1 => out[0][0] = one / m[0][0],
-        2 => {
-            let scale = one / (m[0][0] * m[1][1] - m[0][1] * m[1][0]);
-            (out[0][0], out[0][1]) = (m[1][1] * scale, -m[0][1] * scale);
-            (out[1][0], out[1][1]) = (-m[1][0] * scale, m[0][0] * scale);
-        }
-        _ => {
-            let mut full = [[one; 3]; 3];
-            for i in 0..D {
-                full[i][..D].copy_from_slice(&m[i]);
-            }
-            let (adjugate, determinant) = adjugate(&full);
-            let scale = one / determinant;
-            for i in 0..D {
-                for j in 0..D {
-                    out[i][j] = adjugate[i][j] * scale;
-                }
-            }
-        }
-    }
-    out
+pub fn is_affine<S: CellShape<D, N>, const D: usize, const N: usize>(corners: &[[f64; D]; N]) -> bool {
+    let map = affine_map::<S, D, N>(|corner| corners[corner]);
+    let size = corners.iter().flatten().fold(0.0f64, |size, x| size.max(x.abs()));
+    let per_length = map.inverse.iter().flatten().fold(0.0f64, |most, j| most.max(j.abs()));
+    // Rounding of a coordinate is so much of a local unit.
+    let tolerance = 1e-13 + 16.0 * f64::EPSILON * size * per_length;
+    corners.iter().zip(S::SHAPE.reference_corners()).all(|(corner, reference)| {
+        map.local(corner).iter().zip(reference).all(|(xi, expected)| (xi - expected).abs() <= tolerance)
+    })
 }

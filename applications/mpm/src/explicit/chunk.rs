@@ -5,7 +5,7 @@ use bia_constitutive::Law;
 use bia_kernel::variables::Column;
 
 /// Points a thread takes at a time.
-const POINTS: usize = 512;
+const POINTS: usize = 128;
 
 /// Some consecutive points of a block. Columns that are not used are empty.
 pub struct Chunk<'a> {

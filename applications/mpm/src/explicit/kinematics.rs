@@ -36,15 +36,15 @@ pub fn strain<R: Real>(strain: &[R; 6], step: &Tensor<R>, faults: KratosFaults) 
     if let Some(increment) = faults.increment(step) {
         return accumulate(strain, &increment);
     }
-    let change = product(step, &inverse(&sum(&identity(), &scaled(step, 0.5))));
+    let change = product(step, &inverse(&sum(&identity(step[0][0]), &scaled(step, 0.5))));
     let spin = scaled(&sum(&change, &scaled(&transpose(&change), -1.0)), 0.25);
-    let turn = inverse(&sum(&identity(), &scaled(&spin, -1.0)));
-    let turn = product(&turn, &sum(&identity(), &spin));
+    let turn = inverse(&sum(&identity(step[0][0]), &scaled(&spin, -1.0)));
+    let turn = product(&turn, &sum(&identity(step[0][0]), &spin));
     let (xy, yz, xz) = (strain[3] * 0.5, strain[4] * 0.5, strain[5] * 0.5);
     let before = [[strain[0], xy, xz], [xy, strain[1], yz], [xz, yz, strain[2]]];
     let turned = product(&product(&turn, &before), &transpose(&turn));
     let added = scaled(&sum(&change, &transpose(&change)), 0.5);
-    accumulate(&[R::splat(0.0); 6], &sum(&turned, &added))
+    accumulate(&[strain[0].constant(0.0); 6], &sum(&turned, &added))
 }
 
 /// Adds a strain tensor to Voigt components, shear doubled.
@@ -63,7 +63,7 @@ fn accumulate<R: Real>(strain: &[R; 6], increment: &Tensor<R>) -> [R; 6] {
 #[inline(always)]
 pub fn inverse<R: Real>(a: &Tensor<R>) -> Tensor<R> {
     let (mut out, determinant) = adjugate(a);
-    let scale = R::splat(1.0) / determinant;
+    let scale = determinant.constant(1.0) / determinant;
     for row in &mut out {
         for entry in row {
             *entry *= scale;
@@ -111,7 +111,7 @@ mod tests {
         let expected = strain_to_voigt(&(turn * before * turn.transpose()));
         assert!(after.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-15), "{after:?} {expected:?}");
         for frame in [Frame::Updated, Frame::Total] {
-            let motion = deform(&identity(), &step, frame, PHYSICS);
+            let motion = deform(&identity(0.0), &step, frame, PHYSICS);
             assert_eq!((motion.gradient, motion.step), (tensor_of(&turn), step));
         }
         // Kratos strains the body, to second order in the angle.
@@ -139,7 +139,7 @@ mod tests {
     fn stretching_accumulates_the_logarithmic_strain() {
         let stretch = 1.5f64;
         let error = |steps: usize| {
-            let (mut accumulated, mut gradient) = ([0.0; 6], identity());
+            let (mut accumulated, mut gradient) = ([0.0; 6], identity(0.0));
             let mut length = 1.0;
             let added = (stretch - 1.0) / steps as f64;
             for _ in 0..steps {

@@ -3,6 +3,7 @@
 
 use bia_constitutive::tensor::{Tensor, product, transpose};
 use bia_kernel::lanes::{Lanes, Real};
+use pulp::Simd;
 use nalgebra::Matrix3;
 
 /// Whether a run repeats the faults.
@@ -32,21 +33,38 @@ impl KratosFaults {
 
     /// [`misalign`](Self::misalign) for points in step.
     #[inline(always)]
-    pub fn misalign_lanes<const W: usize, const D: usize, const N: usize>(
+    pub fn misalign_lanes<S: Simd, const D: usize, const N: usize>(
         self,
-        functions: &mut [Lanes<W>; N],
-        gradients: &mut [[Lanes<W>; D]; N],
+        functions: &mut [Lanes<S>; N],
+        gradients: &mut [[Lanes<S>; D]; N],
     ) {
-        if !self.0 || functions.iter().all(|n| n.0.iter().all(|n| *n >= 0.0)) {
+        if !self.0 {
             return;
         }
-        for l in 0..W {
-            let mut of_lane = functions.map(|n| n.0[l]);
-            let mut rows = gradients.map(|row| row.map(|g| g.0[l]));
-            self.misalign(&mut of_lane, &mut rows);
+        let mut least = functions[0];
+        for n in &functions[1..] {
+            least = least.min(*n);
+        }
+        if least.all_within(0.0, f64::MAX) {
+            return;
+        }
+        let (mut values, mut rows) = (functions.map(Lanes::pack), gradients.map(|row| row.map(Lanes::pack)));
+        for l in 0..Lanes::<S>::COUNT {
+            let (mut of_lane, mut rows_of_lane) = ([0.0; N], [[0.0; D]; N]);
             for i in 0..N {
-                functions[i].0[l] = of_lane[i];
-                (0..D).for_each(|a| gradients[i][a].0[l] = rows[i][a]);
+                of_lane[i] = values[i].0[l];
+                (0..D).for_each(|a| rows_of_lane[i][a] = rows[i][a].0[l]);
+            }
+            self.misalign(&mut of_lane, &mut rows_of_lane);
+            for i in 0..N {
+                values[i].0[l] = of_lane[i];
+                (0..D).for_each(|a| rows[i][a].0[l] = rows_of_lane[i][a]);
+            }
+        }
+        for i in 0..N {
+            functions[i] = functions[i].with(&values[i]);
+            for a in 0..D {
+                gradients[i][a] = gradients[i][a].with(&rows[i][a]);
             }
         }
     }

@@ -15,6 +15,7 @@ mod kratos_faults;
 mod nodes;
 mod patches;
 mod rows;
+mod sample;
 mod search;
 mod stability;
 mod strain;
@@ -22,10 +23,10 @@ mod to_grid;
 mod to_points;
 
 use crate::active::ActiveCells;
-use crate::grid::{GRID, write_nodal};
+use crate::grid::GRID;
 use crate::points::{Columns, MaterialPoints};
 use crate::scene::{Scene, move_conditions, points_of, with_points};
-use crate::settings::{ExplicitSettings, Frame, Scheme, SolverSettings, Stepping};
+use crate::settings::{ExplicitSettings, Frame, Scheme, SolverSettings, Stepping, Transfer};
 use crate::variables::{ACCELERATION, DISPLACEMENT, NODAL_MASS, REACTION, VELOCITY};
 use bia_constitutive::Kinematics;
 use bia_kernel::diagnostic::InputErrors;
@@ -36,10 +37,12 @@ use bia_kernel::processes::{Clock, Context, Location, Process, Requirements, Res
 use bia_kernel::registry::Registry;
 use bia_kernel::solving::StepReport;
 use bia_kernel::solving::solver::{Inventory, Solver};
+use bia_kernel::variables::Variable;
 use cells::Mapping;
 use kratos_faults::KratosFaults;
 use nodes::Nodes;
 use patches::Patches;
+use sample::{Fields, Grid};
 use search::Search;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -127,7 +130,7 @@ impl Explicit {
             let before = std::mem::take(&mut self.active.cells);
             self.active.gather(&points.blocks, grid.elements.len());
             if before != self.active.cells || self.patches.len() == 0 {
-                self.renumber(points, grid);
+                self.renumber(points);
             }
             if self.search.restore_order(points, &self.active, grid.elements.len()) {
                 self.active.gather(&points.blocks, grid.elements.len());
@@ -136,9 +139,9 @@ impl Explicit {
         Ok(())
     }
 
-    fn renumber(&mut self, points: &MaterialPoints, grid: &ModelPart) {
-        self.nodes.renumber(grid, &self.active, points.dimension());
-        self.patches = Patches::new(grid, &self.active, &self.nodes.dofs);
+    fn renumber(&mut self, points: &MaterialPoints) {
+        self.nodes.renumber(&self.scene.space, &self.active, points.dimension());
+        self.patches = Patches::new(&self.scene.space, &self.active, &self.nodes.dofs);
         let sizes = self.active.cells.iter().map(|&cell| self.limits.sizes[cell as usize]);
         self.limits.smallest = sizes.fold(f64::INFINITY, f64::min);
     }
@@ -175,14 +178,14 @@ impl Explicit {
     }
 
     /// Sums the points up on the nodes.
-    fn gather(&mut self, points: &MaterialPoints, grid: &ModelPart, wanted: Wanted, time_step: f64) {
+    fn gather(&mut self, points: &MaterialPoints, wanted: Wanted, time_step: f64) {
         let begin = Instant::now();
         let central = self.settings.scheme == Scheme::CentralDifference;
         let gather = Gather {
             blocks: &points.blocks,
             active: &self.active,
             patches: &self.patches,
-            grid,
+            space: &self.scene.space,
             dofs: &self.nodes.dofs,
             mapping: self.mapping,
             frame: self.frame(),
@@ -195,32 +198,32 @@ impl Explicit {
         self.stages[TO_GRID].1 += begin.elapsed();
     }
 
-    /// Does these strokes with the points. Velocity and what carries the points are those of the
-    /// grid, in this order.
+    /// Does these strokes with the points, by these fields of the grid.
     fn strokes(
         &mut self,
         points: &mut MaterialPoints,
-        grid: &ModelPart,
         time_step: f64,
-        [velocity, carrying]: [&[f64]; 2],
+        fields: Fields,
         strokes: Strokes,
     ) -> Result<(), Error> {
         let begin = Instant::now();
-        let field = Field {
-            grid,
+        let grid = Grid {
+            space: &self.scene.space,
             dofs: &self.nodes.dofs,
             mapping: self.mapping,
+            kinematics: points.kinematics,
+            faults: self.faults,
+            arch: self.arch,
+        };
+        let field = Field {
+            grid,
+            fields,
             frame: self.frame(),
-            velocity,
-            carrying,
-            acceleration: &self.nodes.acceleration,
             time_step,
             gamma: self.gamma(),
             transfer: self.settings.transfer,
             reach: self.faults.reach(self.limits.smallest),
             compressible: self.settings.compressible,
-            faults: self.faults,
-            arch: self.arch,
         };
         let found = to_points::apply(points, &field, strokes);
         self.stages[TO_POINTS].1 += begin.elapsed();
@@ -292,23 +295,37 @@ impl Explicit {
     fn move_points(
         &mut self,
         points: &mut MaterialPoints,
-        grid: &ModelPart,
         time_step: f64,
         carrying: &[f64],
     ) -> Result<(), Error> {
-        let (kick, drift) = (true, true);
-        if self.settings.scheme != Scheme::ModifiedUpdateStressLast {
-            let strain = self.settings.scheme == Scheme::UpdateStressLast;
-            return self.strokes(points, grid, time_step, [carrying; 2], Strokes { strain, kick, drift });
-        }
-        self.strokes(points, grid, time_step, [carrying; 2], Strokes { kick, ..Strokes::default() })?;
+        let (acceleration, drift, kick) = (std::mem::take(&mut self.nodes.acceleration), true, true);
+        let smooth = if self.settings.transfer == Transfer::Flip(1.0) { &[] } else { carrying };
+        let fields = Fields { deforming: &[], carrying, acceleration: &acceleration, smooth };
+        let moved = match self.settings.scheme {
+            Scheme::ModifiedUpdateStressLast => {
+                let fields = Fields { carrying: &[], ..fields };
+                let kicked = self.strokes(points, time_step, fields, Strokes { kick, ..Strokes::default() });
+                kicked.and_then(|()| self.map_again(points, time_step, carrying))
+            }
+            Scheme::UpdateStressLast => {
+                let fields = Fields { deforming: carrying, ..fields };
+                self.strokes(points, time_step, fields, Strokes { strain: true, kick, drift })
+            }
+            _ => self.strokes(points, time_step, fields, Strokes { kick, drift, ..Strokes::default() }),
+        };
+        self.nodes.acceleration = acceleration;
+        moved
+    }
+
+    /// Deforms points by the velocity that their own new velocities give the grid, and moves them.
+    fn map_again(&mut self, points: &mut MaterialPoints, time_step: f64, carrying: &[f64]) -> Result<(), Error> {
         self.nodes.sums.momentum.fill(0.0);
-        self.gather(points, grid, Wanted::MovedMomentum, time_step);
+        self.gather(points, Wanted::MovedMomentum, time_step);
         self.nodes.velocity.resize(carrying.len(), 0.0);
         self.nodes.find_velocity();
         let velocity = std::mem::take(&mut self.nodes.velocity);
-        let strokes = Strokes { strain: true, drift, ..Strokes::default() };
-        let moved = self.strokes(points, grid, time_step, [&velocity, carrying], strokes);
+        let fields = Fields { deforming: &velocity, carrying, ..Fields::default() };
+        let moved = self.strokes(points, time_step, fields, Strokes { strain: true, drift: true, kick: false });
         self.nodes.velocity = velocity;
         moved
     }
@@ -319,28 +336,41 @@ impl Explicit {
 
     /// Writes what someone reads on the grid.
     fn write_nodes(&self, grid: &mut ModelPart, increments: &[f64]) {
-        let count = grid.nodes.len();
-        if self.shows("NODAL_MASS") {
+        let (count, space, dofs) = (grid.nodes.len(), &self.scene.space, &self.nodes.dofs);
+        let keeps = self.faults.shows_old_nodes();
+        if self.shows(NODAL_MASS.name) {
             let column = grid.node_fields.scalar_mut(&NODAL_MASS, count);
-            if !self.faults.shows_old_nodes() {
+            if keeps {
+                dofs.nodes().iter().for_each(|&node| column[node as usize] = 0.0);
+            } else {
                 column.fill(0.0);
             }
-            for (&node, mass) in self.nodes.dofs.nodes().iter().zip(&self.nodes.sums.mass) {
-                column[node as usize] = *mass;
-            }
+            space.spread(dofs, |number, node, share| column[node] += share * self.nodes.sums.mass[number]);
         }
+        let reset = |grid: &mut ModelPart, variable: &Variable| {
+            if !keeps {
+                grid.node_fields.vector_mut(variable, count).fill([0.0; 3]);
+            }
+        };
         for (variable, values) in [
             (&DISPLACEMENT, increments),
             (&VELOCITY, &self.nodes.velocity),
             (&ACCELERATION, &self.nodes.acceleration),
-            (&REACTION, &self.nodes.reaction),
         ] {
             if self.shows(variable.name) {
-                if !self.faults.shows_old_nodes() {
-                    grid.node_fields.vector_mut(variable, count).fill([0.0; 3]);
-                }
-                write_nodal(grid, &self.nodes.dofs, variable, values);
+                reset(grid, variable);
+                space.write_field(grid, dofs, variable, values);
             }
+        }
+        if self.shows(REACTION.name) {
+            reset(grid, &REACTION);
+            let block = dofs.block();
+            let column = grid.node_fields.vector_mut(&REACTION, count);
+            dofs.nodes().iter().filter(|_| keeps).for_each(|&node| column[node as usize] = [0.0; 3]);
+            space.spread(dofs, |number, node, share| {
+                let reaction = &self.nodes.reaction[number * block..(number + 1) * block];
+                reaction.iter().zip(&mut column[node]).for_each(|(r, sum)| *sum += share * r);
+            });
         }
     }
 }
@@ -368,7 +398,7 @@ impl Solver for Explicit {
             self.shown.push(REACTION.name);
         }
         if let Some(grid) = model.part(GRID) {
-            self.mapping = search::mapping(grid, self.frame());
+            self.mapping = search::mapping(grid, &self.scene.settings.discretisation);
         }
         let needed = Columns {
             velocity: true,
@@ -402,7 +432,7 @@ impl Solver for Explicit {
         }
         let Some((grid, points)) = context.model.part(GRID).zip(points_of(context.model)) else { return Ok(()) };
         self.active.gather(&points.blocks, grid.elements.len());
-        self.renumber(points, grid);
+        self.renumber(points);
         self.limits.point = stability::point_speed(points);
         tracing::info!("stable time step {:.4e} s: {}", self.limits.stable_step(), self.limits.describe());
         Ok(())
@@ -430,9 +460,9 @@ impl Solver for Explicit {
             let begin = Instant::now();
             self.update_active(points, grid, time_step)?;
             self.stages[SEARCH].1 += begin.elapsed();
-            self.nodes.start(grid, time_step, self.faults);
+            self.nodes.start(grid, &self.scene.space, time_step, self.faults);
             let wanted = if self.updates_stress_first() { Wanted::Momentum } else { Wanted::Both };
-            self.gather(points, grid, wanted, time_step);
+            self.gather(points, wanted, time_step);
             self.nodes.weigh(self.faults);
             Ok(())
         })
@@ -444,11 +474,11 @@ impl Solver for Explicit {
             if self.updates_stress_first() {
                 self.nodes.find_velocity();
                 let velocity = std::mem::take(&mut self.nodes.velocity);
-                let strain = Strokes { strain: true, ..Strokes::default() };
-                let strained = self.strokes(points, grid, time_step, [&velocity, &[]], strain);
+                let fields = Fields { deforming: &velocity, ..Fields::default() };
+                let strained = self.strokes(points, time_step, fields, Strokes { strain: true, ..Strokes::default() });
                 self.nodes.velocity = velocity;
                 strained?;
-                self.gather(points, grid, Wanted::Force, time_step);
+                self.gather(points, Wanted::Force, time_step);
             }
             let axisymmetric = points.kinematics == Kinematics::Axisymmetric;
             let loads =
@@ -466,7 +496,7 @@ impl Solver for Explicit {
         let time_step = context.clock.time_step;
         with_points(context.model, |points, grid| {
             let carrying = std::mem::take(&mut self.nodes.velocity);
-            let moved = self.move_points(points, grid, time_step, &carrying);
+            let moved = self.move_points(points, time_step, &carrying);
             if self.settings.scheme != Scheme::ModifiedUpdateStressLast {
                 self.nodes.velocity = carrying.clone();
             }

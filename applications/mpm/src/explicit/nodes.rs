@@ -1,8 +1,9 @@
 //! The nodes of the active cells in one step: boundary values, velocities, accelerations.
 
-use super::kratos_faults::KratosFaults;
 use super::to_grid::NodalSums;
-use crate::active::{ActiveCells, active_dofs};
+use super::kratos_faults::KratosFaults;
+use crate::active::ActiveCells;
+use crate::space::Space;
 use crate::variables::DISPLACEMENT;
 use bia_kernel::model::ModelPart;
 use bia_kernel::solving::ActiveDofs;
@@ -24,17 +25,20 @@ pub struct Nodes {
     /// Velocities imposed in the last step by grid node, NaN where free; empty while none moves.
     last: Vec<[f64; 3]>,
     least_mass: f64,
+    /// Fixed components of the mesh's nodes and of the functions, where these are not the same.
+    fixed: Vec<[bool; 3]>,
+    held: Vec<[bool; 3]>,
 }
 
 impl Nodes {
     /// Numbers the nodes of the active cells.
-    pub fn renumber(&mut self, grid: &ModelPart, active: &ActiveCells, dimension: usize) {
-        self.dofs = active_dofs(&grid.elements, grid.nodes.len(), &active.cells, dimension);
+    pub fn renumber(&mut self, space: &Space, active: &ActiveCells, dimension: usize) {
+        self.dofs = space.active_dofs(&active.cells, dimension);
     }
 
     /// Sets all to zero and reads the fixed components. A displacement u imposed on one acts as the
     /// velocity u/Δt; its acceleration is the change of that velocity since the last step.
-    pub fn start(&mut self, grid: &ModelPart, time_step: f64, faults: KratosFaults) {
+    pub fn start(&mut self, grid: &ModelPart, space: &Space, time_step: f64, faults: KratosFaults) {
         self.sums.reset(&self.dofs);
         let (order, block) = (self.dofs.order(), self.dofs.block());
         for values in [&mut self.velocity, &mut self.acceleration, &mut self.imposed] {
@@ -43,7 +47,11 @@ impl Nodes {
         }
         self.dofs.fixed_mut().fill(false);
         let Some(fixed) = grid.node_fields.fixed(&DISPLACEMENT) else { return };
-        let values = grid.node_fields.vector(&DISPLACEMENT).unwrap_or_default();
+        if !space.is_mesh() && self.fixed != fixed {
+            (self.fixed, self.held) = (fixed.to_vec(), space.held(fixed).into_owned());
+        }
+        let fixed = if space.is_mesh() { fixed } else { &self.held[..] };
+        let values = space.at_anchors(grid.node_fields.vector(&DISPLACEMENT).unwrap_or_default());
         let imposed =
             |node: usize, a: usize| values.get(node).map_or(0.0, |u| faults.imposed_velocity(u[a], time_step));
         for number in 0..self.dofs.nodes().len() {
@@ -60,7 +68,7 @@ impl Nodes {
         }
         // Only walls that move are remembered, and all their nodes, active or not.
         if !self.last.is_empty() || self.imposed.iter().any(|v| *v != 0.0) {
-            self.last.resize(grid.nodes.len(), [f64::NAN; 3]);
+            self.last.resize(space.len(), [f64::NAN; 3]);
             for (node, last) in self.last.iter_mut().enumerate() {
                 *last = std::array::from_fn(|a| if fixed[node][a] { imposed(node, a) } else { f64::NAN });
             }

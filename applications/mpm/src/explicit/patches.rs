@@ -2,7 +2,7 @@
 //! points of a patch stay in the cache, and each node is added to the grid once a patch.
 
 use crate::active::ActiveCells;
-use bia_kernel::model::ModelPart;
+use crate::space::Space;
 use bia_kernel::solving::ActiveDofs;
 use std::ops::Range;
 
@@ -28,7 +28,7 @@ struct Patch {
 
 impl Patches {
     /// Divides the active cells.
-    pub fn new(grid: &ModelPart, active: &ActiveCells, dofs: &ActiveDofs) -> Self {
+    pub fn new(space: &Space, active: &ActiveCells, dofs: &ActiveDofs) -> Self {
         let mut out = Self::default();
         // The place of a node, as long as it was met in the present patch.
         let mut place_of = vec![(u32::MAX, 0); dofs.nodes().len()];
@@ -37,7 +37,7 @@ impl Patches {
             let cells = first..active.len().min(first + CELLS);
             let (nodes, places) = (out.nodes.len(), out.places.len());
             for &cell in &active.cells[cells.clone()] {
-                for &node in grid.elements.nodes_of(cell as usize) {
+                for &node in space.nodes_of(cell as usize) {
                     // The nodes of active cells are active.
                     let Some(number) = dofs.number(node) else { continue };
                     let (last, place) = &mut place_of[number];

@@ -3,12 +3,12 @@
 
 use super::cells::{Mapping, is_affine};
 use crate::active::ActiveCells;
-use crate::grid::{GridCell, corners, with_shape};
+use crate::grid::with_shape;
 use crate::points::{MaterialPoints, Scratch};
 use crate::scene::Scene;
-use crate::settings::Frame;
+use crate::settings::{Basis, Discretisation, Frame};
 use bia_kernel::error::Error;
-use bia_kernel::geometry::{CellShape, Hexahedron8, Line2, Quadrilateral4, Shape, Tetrahedron4, Triangle3};
+use bia_kernel::geometry::{Hexahedron8, Line2, Quadrilateral4, Shape, Tetrahedron4, Triangle3};
 use bia_kernel::model::ModelPart;
 
 /// Order is restored when points of one cell lie, on average, in more runs than this.
@@ -98,15 +98,15 @@ impl Search {
 }
 
 /// How local coordinates are had on a grid.
-pub fn mapping(grid: &ModelPart, frame: Frame) -> Mapping {
-    let affine = (0..grid.elements.len()).all(|cell| {
-        with_shape!(grid.elements.shapes[cell], |S, D, N| {
-            let basis = <S as GridCell<D, N>>::of(grid, cell);
-            let nodes = corners::<D, N>(grid, grid.elements.nodes_of(cell));
-            let references = <S as CellShape<D, N>>::SHAPE.reference_corners();
-            let references = std::array::from_fn(|i| std::array::from_fn(|a| references[i][a]));
-            is_affine::<S, D, N>(&basis, &nodes, &references)
-        }, else true)
-    });
-    Mapping { affine, stored: frame == Frame::Total || !affine }
+pub fn mapping(grid: &ModelPart, choice: &Discretisation) -> Mapping {
+    let is_parallel = |cell: usize| {
+        with_shape!(grid.elements.shapes[cell], |S, D, N| is_affine::<S, D, N>(&corners(grid, cell)), else true)
+    };
+    let affine = choice.basis != Basis::Mesh || (0..grid.elements.len()).all(is_parallel);
+    Mapping { affine, stored: choice.frame == Frame::Total || !affine }
+}
+
+fn corners<const D: usize, const N: usize>(grid: &ModelPart, cell: usize) -> [[f64; D]; N] {
+    let nodes = grid.elements.nodes_of(cell);
+    std::array::from_fn(|i| std::array::from_fn(|a| grid.nodes.coordinates[nodes[i] as usize][a]))
 }

@@ -1,19 +1,22 @@
 //! From the points to the nodes of their cells: mass, momentum, forces.
 
-use super::cells::{Cell, Mapping};
+use super::cells::{Cell, CellOf, Mapping};
 use super::kinematics::inverse;
 use super::kratos_faults::KratosFaults;
 use super::patches::Patches;
+use super::rows::{Rows, groups};
+use super::strain::load_gradient;
+use super::sample::type_of;
 use crate::active::ActiveCells;
-use crate::grid::{GridCell, corners, with_shape};
-use crate::points::{Block, expand};
+use crate::points::Block;
 use crate::settings::Frame;
+use crate::space::{Space, with_basis};
 use bia_constitutive::Kinematics;
-use bia_constitutive::tensor::tensor_of;
-use bia_kernel::geometry::{Hexahedron8, Line2, Quadrilateral4, Shape, Tetrahedron4, Triangle3};
-use bia_kernel::model::ModelPart;
+use bia_constitutive::tensor::Tensor;
+use bia_kernel::lanes::{Lanes, Pack, WIDTH};
 use bia_kernel::solving::ActiveDofs;
 use bia_kernel::solving::ordered::in_order;
+use pulp::Simd;
 use std::marker::PhantomData;
 use std::ops::Range;
 
@@ -60,9 +63,9 @@ pub struct Gather<'a> {
     pub active: &'a ActiveCells,
     /// The same cells in patches.
     pub patches: &'a Patches,
-    /// The grid.
-    pub grid: &'a ModelPart,
-    /// Numbers of the active nodes.
+    /// The grid's functions.
+    pub space: &'a Space,
+    /// Numbers of the active functions.
     pub dofs: &'a ActiveDofs,
     /// How positions become local coordinates.
     pub mapping: Mapping,
@@ -127,128 +130,163 @@ impl Gather<'_> {
     /// Adds the points of a patch to its nodes.
     fn add_patch(&self, patch: usize, wanted: Wanted, sums: &mut [f64]) {
         let range = self.patches.cells(patch);
-        let shape = |cell: &u32| self.grid.elements.shapes[*cell as usize];
         let (mut first, mut places) = (range.start, self.patches.places(patch));
-        for run in self.active.cells[range].chunk_by(|a, b| shape(a) == shape(b)) {
+        let alike = |a: &u32, b: &u32| self.space.alike(*a as usize, *b as usize);
+        for run in self.active.cells[range].chunk_by(alike) {
             let cells = first..first + run.len();
             first = cells.end;
-            with_shape!(shape(&run[0]), |S, D, N| {
+            with_basis!(self.space, run[0] as usize, |basis, D, N| {
                 let (of_run, rest) = places.split_at(run.len() * N);
                 places = rest;
-                let places = of_run;
-                self.arch.dispatch(CellsTask::<S, D, N> { gather: self, cells, places, wanted, sums, shape: PhantomData });
+                let task =
+                    Cells::<_, D, N> { gather: self, cells, places: of_run, wanted, sums, basis: type_of(&basis) };
+                self.arch.dispatch(task);
             }, else ());
         }
     }
 }
 
-/// The points of cells of one shape, for the widest vectors that the machine has.
-struct CellsTask<'a, 's, B, const D: usize, const N: usize> {
+/// The points of cells of one type, for the widest vectors that the machine has.
+struct Cells<'a, 's, B, const D: usize, const N: usize> {
     gather: &'a Gather<'a>,
     cells: Range<usize>,
-    places: &'a [u32],
+    places: &'s [u32],
     wanted: Wanted,
     sums: &'s mut [f64],
-    shape: PhantomData<B>,
+    basis: PhantomData<B>,
 }
 
-/// Sums of one cell: its nodes side by side, so that they fill vectors.
-struct CellSums<const D: usize, const N: usize> {
-    mass: [f64; N],
-    momentum: [[f64; N]; D],
-    force: [[f64; N]; D],
+/// Sums over the points of a cell, which are in the lanes.
+struct CellSums<S: Simd, const D: usize, const N: usize> {
+    mass: [Lanes<S>; N],
+    momentum: [[Lanes<S>; D]; N],
+    force: [[Lanes<S>; D]; N],
 }
 
-/// Functions at one point.
-struct AtPoint<const D: usize, const N: usize> {
+/// Functions at points in step.
+struct AtPoints<S: Simd, const D: usize, const N: usize> {
     /// All functions: they carry mass, momentum and body forces to the grid.
-    all: [f64; N],
+    all: [Lanes<S>; N],
     /// Functions for everything else; they differ from `all` by a fault of Kratos alone.
-    functions: [f64; N],
-    /// Local gradients, `[axis][node]`.
-    gradients: [[f64; N]; D],
+    functions: [Lanes<S>; N],
+    /// Local gradients.
+    gradients: [[Lanes<S>; D]; N],
     /// J⁻¹.
-    inverse: [[f64; D]; D],
+    inverse: [[Lanes<S>; D]; D],
+    /// Distance from the axis of axisymmetric scenes.
+    radius: Lanes<S>,
 }
 
-impl<B: GridCell<D, N>, const D: usize, const N: usize> pulp::WithSimd for CellsTask<'_, '_, B, D, N> {
+impl<'a, B: CellOf<'a, D, N>, const D: usize, const N: usize> pulp::WithSimd for Cells<'a, '_, B, D, N> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<A: pulp::Simd>(self, _: A) {
-        let Gather { active, grid, mapping, .. } = *self.gather;
-        for (index, places) in self.cells.clone().zip(self.places.chunks_exact(N)) {
-            let id = active.cells[index] as usize;
-            let cell = Cell::new(B::of(grid, id), corners::<D, N>(grid, grid.elements.nodes_of(id)), mapping);
-            let mut sums = CellSums::<D, N> { mass: [0.0; N], momentum: [[0.0; N]; D], force: [[0.0; N]; D] };
-            for &(block, point) in active.points(index) {
-                self.add_point(&cell, &self.gather.blocks[block as usize], point as usize, &mut sums);
-            }
-            for (i, &place) in places.iter().enumerate() {
-                let width = 1 + 2 * D;
-                let node = &mut self.sums[place as usize * width..(place as usize + 1) * width];
-                node[0] += sums.mass[i];
-                for a in 0..D {
-                    node[1 + a] += sums.momentum[a][i];
-                    node[1 + D + a] += sums.force[a][i];
+    fn with_simd<S: Simd>(mut self, simd: S) {
+        let Gather { active, space, mapping, .. } = *self.gather;
+        let places = self.places;
+        for (index, places) in self.cells.clone().zip(places.chunks_exact(N)) {
+            let Some(cell) = Cell::<B, D, N>::of(space, active.cells[index] as usize, mapping) else { continue };
+            let zero = Lanes::splat(simd, 0.0);
+            let mut sums = CellSums { mass: [zero; N], momentum: [[zero; D]; N], force: [[zero; D]; N] };
+            // Runs of neighbouring points of one block.
+            for run in active.points(index).chunk_by(|a, b| a.0 == b.0 && a.1 + 1 == b.1) {
+                let block = &self.gather.blocks[run[0].0 as usize];
+                let first = run[0].1 as usize;
+                for rows in groups(simd, first..first + run.len()) {
+                    self.add_points(simd, &cell, block, rows, &mut sums);
                 }
             }
+            self.add_sums(places, &sums);
         }
     }
 }
 
-impl<B: GridCell<D, N>, const D: usize, const N: usize> CellsTask<'_, '_, B, D, N> {
+impl<'a, B: CellOf<'a, D, N>, const D: usize, const N: usize> Cells<'a, '_, B, D, N> {
+    /// Adds the sums of a cell to the nodes of the patch.
     #[inline(always)]
-    fn add_point(&self, cell: &Cell<B, D, N>, block: &Block, point: usize, sums: &mut CellSums<D, N>) {
-        let at = self.at_point(cell, block, point);
-        let mass = block.mass.get::<1>(point)[0];
+    fn add_sums<S: Simd>(&mut self, places: &[u32], sums: &CellSums<S, D, N>) {
+        let width = 1 + 2 * D;
+        for (i, &place) in places.iter().enumerate() {
+            let node = &mut self.sums[place as usize * width..(place as usize + 1) * width];
+            if self.wanted.momentum() {
+                if self.wanted != Wanted::MovedMomentum {
+                    node[0] += sums.mass[i].sum();
+                }
+                for a in 0..D {
+                    node[1 + a] += sums.momentum[i][a].sum();
+                }
+            }
+            if self.wanted.force() {
+                for a in 0..D {
+                    node[1 + D + a] += sums.force[i][a].sum();
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn add_points<S: Simd>(
+        &self,
+        simd: S,
+        cell: &Cell<B, D, N>,
+        block: &Block,
+        rows: Rows,
+        sums: &mut CellSums<S, D, N>,
+    ) {
+        let at = self.at_points(simd, cell, block, rows);
+        // Lanes beyond the last point count nothing.
+        let mut counts = Pack([0.0; WIDTH]);
+        counts.0[..rows.count].fill(1.0);
+        let counts = Lanes::load(simd, &counts);
+        let [mass] = rows.load::<S, 1>(simd, block.mass.values());
+        let mass = mass * counts;
         if self.wanted.momentum() {
-            let velocity = self.velocity(block, point);
+            let mut momentum = self.velocity(simd, block, rows);
+            for a in 0..D {
+                momentum[a] *= mass;
+            }
             let functions = if self.wanted == Wanted::MovedMomentum { &at.functions } else { &at.all };
+            for i in 0..N {
+                for a in 0..D {
+                    sums.momentum[i][a] += functions[i] * momentum[a];
+                }
+            }
             if self.wanted != Wanted::MovedMomentum {
                 for i in 0..N {
                     sums.mass[i] += functions[i] * mass;
                 }
             }
-            for a in 0..D {
-                let momentum = mass * velocity[a];
-                for i in 0..N {
-                    sums.momentum[a][i] += functions[i] * momentum;
-                }
-            }
         }
         if self.wanted.force() {
-            self.add_force(cell, &at, block, point, mass, sums);
+            let [volume] = rows.load::<S, 1>(simd, block.volume.values());
+            self.add_force(simd, &at, block, rows, [mass, volume * counts], sums);
         }
     }
 
     #[inline(always)]
-    fn at_point(&self, cell: &Cell<B, D, N>, block: &Block, point: usize) -> AtPoint<D, N> {
-        let xi = cell.local(&block.position.get::<D>(point), || block.local.get::<D>(point));
+    fn at_points<S: Simd>(&self, simd: S, cell: &Cell<B, D, N>, block: &Block, rows: Rows) -> AtPoints<S, D, N> {
+        let zero = Lanes::splat(simd, 0.0);
+        let position = rows.load(simd, block.position.values());
+        let xi = cell.local(&position, || rows.load(simd, block.local.values()));
         let all = cell.basis.functions(&xi);
-        let (mut functions, mut local) = (all, [[0.0; D]; N]);
-        let mut inverse = [[0.0; D]; D];
+        let (mut functions, mut gradients, mut inverse) = (all, [[zero; D]; N], [[zero; D]; D]);
         if self.wanted.force() {
-            local = cell.basis.gradients(&xi);
-            inverse = cell.inverse_jacobian(&local);
+            gradients = cell.basis.gradients(&xi);
+            inverse = cell.inverse_jacobian(&xi);
         }
-        self.gather.faults.misalign(&mut functions, &mut local);
-        let mut gradients = [[0.0; N]; D];
-        for i in 0..N {
-            for c in 0..D {
-                gradients[c][i] = local[i][c];
-            }
-        }
-        AtPoint { all, functions, gradients, inverse }
+        let axisymmetric = self.gather.kinematics == Kinematics::Axisymmetric;
+        let radius = if axisymmetric { cell.radius(&xi) } else { zero };
+        self.gather.faults.misalign_lanes(&mut functions, &mut gradients);
+        AtPoints { all, functions, gradients, inverse, radius }
     }
 
     #[inline(always)]
-    fn velocity(&self, block: &Block, point: usize) -> [f64; D] {
-        let mut velocity = block.velocity.get::<D>(point);
+    fn velocity<S: Simd>(&self, simd: S, block: &Block, rows: Rows) -> [Lanes<S>; D] {
+        let mut velocity = rows.load::<S, D>(simd, block.velocity.values());
         if self.gather.ahead != 0.0 && self.wanted != Wanted::MovedMomentum {
-            let acceleration = block.acceleration.get::<D>(point);
+            let acceleration = rows.load::<S, D>(simd, block.acceleration.values());
             for a in 0..D {
-                velocity[a] += self.gather.ahead * acceleration[a];
+                velocity[a] += acceleration[a] * self.gather.ahead;
             }
         }
         velocity
@@ -256,88 +294,76 @@ impl<B: GridCell<D, N>, const D: usize, const N: usize> CellsTask<'_, '_, B, D, 
 
     /// f = Σ N m g − V σ ∇N, ∇N = J⁻ᵀ ∂N/∂ξ; in the total frame ∇N = F⁻ᵀ ∂N/∂X.
     #[inline(always)]
-    fn add_force(
+    fn add_force<S: Simd>(
         &self,
-        cell: &Cell<B, D, N>,
-        at: &AtPoint<D, N>,
+        simd: S,
+        at: &AtPoints<S, D, N>,
         block: &Block,
-        point: usize,
-        mass: f64,
-        sums: &mut CellSums<D, N>,
+        rows: Rows,
+        [mass, volume]: [Lanes<S>; 2],
+        sums: &mut CellSums<S, D, N>,
     ) {
-        let stress = block.stress.row(point);
-        let [volume] = block.volume.get::<1>(point);
+        let components = self.gather.kinematics.voigt();
+        let stress = rows.load_components(simd, block.stress.values(), components);
+        let stress = tensor(&stress);
         let mut pull = at.inverse;
+        let mut hoop_scale = volume;
         if self.gather.frame == Frame::Total {
-            let back = inverse(&tensor_of(&expand(block.gradient.row(point))));
+            let gradient = load_gradient::<S, D>(simd, rows, block.gradient.values(), self.gather.kinematics);
+            let back = inverse(&gradient);
             for c in 0..D {
                 for b in 0..D {
-                    pull[c][b] = 0.0;
-                    for k in 0..D {
+                    pull[c][b] = at.inverse[c][0] * back[0][b];
+                    for k in 1..D {
                         pull[c][b] += at.inverse[c][k] * back[k][b];
                     }
                 }
             }
+            hoop_scale *= back[2][2];
         }
-        let body = block.body_acceleration_of::<D>(point);
+        let body = self.body(simd, block, rows);
         for a in 0..D {
-            let mut row = [0.0; D];
+            let mut row = [volume; D];
             for c in 0..D {
-                for b in 0..D {
-                    row[c] += stress[stored_index::<D>(stress.len(), a, b)] * pull[c][b];
+                let mut sum = stress[a][0] * pull[c][0];
+                for b in 1..D {
+                    sum += stress[a][b] * pull[c][b];
                 }
-                row[c] *= volume;
+                row[c] *= sum;
             }
-            let weight = mass * body[a];
+            let weight = body[a] * mass;
             for i in 0..N {
-                let mut inner = at.gradients[0][i] * row[0];
+                let mut inner = at.gradients[i][0] * row[0];
                 for c in 1..D {
-                    inner += at.gradients[c][i] * row[c];
+                    inner += at.gradients[i][c] * row[c];
                 }
-                sums.force[a][i] += at.all[i] * weight - inner;
+                sums.force[i][a] += at.all[i] * weight - inner;
             }
         }
         if self.gather.kinematics == Kinematics::Axisymmetric {
-            let mut hoop = volume * stress[2] / cell.radius(&at.all);
-            if self.gather.frame == Frame::Total {
-                hoop /= expand(block.gradient.row(point))[(2, 2)];
-            }
+            let hoop = hoop_scale * stress[2][2] / at.radius;
             for i in 0..N {
-                sums.force[0][i] -= hoop * at.functions[i];
+                sums.force[i][0] -= at.functions[i] * hoop;
             }
         }
     }
+
+    /// Body force per mass.
+    #[inline(always)]
+    fn body<S: Simd>(&self, simd: S, block: &Block, rows: Rows) -> [Lanes<S>; D] {
+        let mut body = [Lanes::splat(simd, 0.0); D];
+        if block.body_acceleration.is_used() {
+            body = rows.load(simd, block.body_acceleration.values());
+        }
+        for a in 0..D {
+            body[a] = body[a] + block.gravity[a];
+        }
+        body
+    }
 }
 
-/// Where component ab of a tensor stands in a stored stress of `length` numbers.
+/// The tensor of Voigt components.
 #[inline(always)]
-fn stored_index<const D: usize>(length: usize, a: usize, b: usize) -> usize {
-    match (D, a == b) {
-        (_, true) => a,
-        // The shear of the plane is the last one stored.
-        (2, false) => length - 1,
-        // xy, yz, xz.
-        _ => [3, 5, 4][a + b - 1],
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use bia_constitutive::tensor::VOIGT_PAIRS;
-
-    #[test]
-    fn stored_components_are_found() {
-        for kinematics in Kinematics::ALL {
-            for (place, &component) in kinematics.voigt().iter().enumerate() {
-                let (a, b) = VOIGT_PAIRS[component];
-                if kinematics.dimension() == 3 {
-                    assert_eq!((stored_index::<3>(6, a, b), stored_index::<3>(6, b, a)), (place, place));
-                } else if b < 2 {
-                    let length = kinematics.voigt().len();
-                    assert_eq!((stored_index::<2>(length, a, b), stored_index::<2>(length, b, a)), (place, place));
-                }
-            }
-        }
-    }
+fn tensor<S: Simd>(v: &[Lanes<S>; 6]) -> Tensor<Lanes<S>> {
+    [[v[0], v[3], v[5]], [v[3], v[1], v[4]], [v[5], v[4], v[2]]]
 }

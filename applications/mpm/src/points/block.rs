@@ -20,8 +20,10 @@ pub struct Columns {
     pub local: bool,
     /// Cauchy stress.
     pub stress: bool,
-    /// Strain in the measure of the law.
+    /// Strain, where it is not told by the deformation gradient.
     pub strain: bool,
+    /// Stress, strain and volume, where the law has no energy of its own.
+    pub strain_energy: bool,
     /// Current volume.
     pub volume: bool,
     /// Body force per mass that differs from point to point.
@@ -40,6 +42,9 @@ pub struct Block {
     pub law_name: String,
     /// The constitutive law.
     pub law: Box<dyn Law>,
+    /// The strain energy is that of the law; else, and in Kratos always, it is half the work of
+    /// stress on strain, which large strains do not conserve.
+    pub has_energy: bool,
     /// Initial density in kg/m³.
     pub density: f64,
     /// Body force per mass in m/s² that all points share.
@@ -71,7 +76,7 @@ pub struct Block {
     pub state: Column,
     /// Cauchy stress in Pa, in the Voigt order of the kinematics, if used.
     pub stress: Column,
-    /// Strain, if used.
+    /// Strain that the law accumulates or, as Kratos shows it, in the law's measure; if used.
     pub strain: Column,
     /// Volume in m³, if used.
     pub volume: Column,

@@ -2,25 +2,36 @@
 
 use super::block::{Block, Columns, MaterialPoints, Selection};
 use super::conditions::PointConditions;
+use super::measures;
+use bia_constitutive::Deformation;
+use bia_constitutive::tensor::{almansi_strain, green_lagrange_strain, strain_to_voigt};
+use nalgebra::Matrix3;
 
 /// Variables of points with the columns they need.
 const POINT_VARIABLES: &[(&str, Columns)] = &[
     ("MP_COORD", NONE),
     ("MP_DISPLACEMENT", Columns { displacement: true, ..NONE }),
-    ("MP_VELOCITY", Columns { velocity: true, ..NONE }),
+    ("MP_VELOCITY", VELOCITY),
     ("MP_ACCELERATION", Columns { acceleration: true, ..NONE }),
     ("MP_VOLUME_ACCELERATION", NONE),
     // Its functions may depend on the initial position, hence the displacement.
     (BODY_ACCELERATION, Columns { body_acceleration: true, displacement: true, ..NONE }),
-    ("MP_CAUCHY_STRESS_VECTOR", Columns { stress: true, ..NONE }),
-    ("MP_ALMANSI_STRAIN_VECTOR", STRESS_AND_STRAIN),
+    ("MP_CAUCHY_STRESS_VECTOR", STRESS),
+    ("MP_PK1_STRESS_TENSOR", STRESS),
+    ("MP_PK2_STRESS_VECTOR", STRESS),
+    ("MP_EQUIVALENT_STRESS", STRESS),
+    ("MP_ALMANSI_STRAIN_VECTOR", Columns { strain: true, ..NONE }),
+    ("MP_GREEN_LAGRANGE_STRAIN_VECTOR", NONE),
+    ("MP_HENCKY_STRAIN_VECTOR", NONE),
+    ("MP_DEFORMATION_GRADIENT", NONE),
+    ("MP_DETERMINANT_F", NONE),
     ("MP_MASS", NONE),
     ("MP_VOLUME", Columns { volume: true, ..NONE }),
     ("MP_DENSITY", Columns { volume: true, ..NONE }),
     ("MP_MATERIAL_ID", NONE),
     ("MP_POTENTIAL_ENERGY", NONE),
-    ("MP_KINETIC_ENERGY", Columns { velocity: true, ..NONE }),
-    ("MP_STRAIN_ENERGY", ENERGY),
+    ("MP_KINETIC_ENERGY", VELOCITY),
+    ("MP_STRAIN_ENERGY", Columns { strain_energy: true, ..NONE }),
     ("MP_TOTAL_ENERGY", ENERGY),
 ];
 /// Variable of the column that holds body accelerations given as functions.
@@ -32,15 +43,25 @@ const NONE: Columns = Columns {
     local: false,
     stress: false,
     strain: false,
+    strain_energy: false,
     volume: false,
     body_acceleration: false,
 };
-/// The strain is written where the stress is.
-const STRESS_AND_STRAIN: Columns = Columns { stress: true, strain: true, ..NONE };
+const VELOCITY: Columns = Columns { velocity: true, ..NONE };
+const STRESS: Columns = Columns { stress: true, ..NONE };
 /// What the energies need.
-pub const ENERGY: Columns = Columns { velocity: true, stress: true, strain: true, volume: true, ..NONE };
+pub const ENERGY: Columns = Columns { velocity: true, strain_energy: true, ..NONE };
 /// What the account of a run shows.
-pub const RECORD: Columns = ENERGY.or(Columns { displacement: true, acceleration: true, ..NONE });
+pub const RECORD: Columns = Columns {
+    displacement: true,
+    velocity: true,
+    acceleration: true,
+    stress: true,
+    strain: true,
+    strain_energy: true,
+    volume: true,
+    ..NONE
+};
 
 /// Variables of material-point conditions.
 pub const CONDITION_VARIABLES: &[&str] =
@@ -67,6 +88,7 @@ impl Columns {
             local: self.local || other.local,
             stress: self.stress || other.stress,
             strain: self.strain || other.strain,
+            strain_energy: self.strain_energy || other.strain_energy,
             volume: self.volume || other.volume,
             body_acceleration: self.body_acceleration || other.body_acceleration,
         }
@@ -81,16 +103,34 @@ fn body_acceleration(block: &Block, point: usize) -> [f64; 3] {
 
 /// The values of a variable at a point, appended to `out`; false if points do not have it.
 pub fn append(block: &Block, point: usize, variable: &str, out: &mut Vec<f64>) -> bool {
-    let mut vector = |row: &[f64]| out.extend((0..3).map(|i| row.get(i).copied().unwrap_or(0.0)));
+    let vector = |row: &[f64], out: &mut Vec<f64>| out.extend((0..3).map(|i| row.get(i).copied().unwrap_or(0.0)));
+    let gradient = || block.deformation_gradient(point);
+    let strain = |of: fn(&Matrix3<f64>) -> Matrix3<f64>, out: &mut Vec<f64>| {
+        measures::append_voigt(block, &strain_to_voigt(&of(&gradient())), out);
+    };
     match variable {
-        "MP_COORD" => vector(block.position.row(point)),
-        "MP_DISPLACEMENT" => vector(block.displacement.row(point)),
-        "MP_VELOCITY" => vector(block.velocity.row(point)),
-        "MP_ACCELERATION" => vector(block.acceleration.row(point)),
-        "MP_VOLUME_ACCELERATION" => vector(&body_acceleration(block, point)),
-        BODY_ACCELERATION => vector(block.body_acceleration.row(point)),
+        "MP_COORD" => vector(block.position.row(point), out),
+        "MP_DISPLACEMENT" => vector(block.displacement.row(point), out),
+        "MP_VELOCITY" => vector(block.velocity.row(point), out),
+        "MP_ACCELERATION" => vector(block.acceleration.row(point), out),
+        "MP_VOLUME_ACCELERATION" => vector(&body_acceleration(block, point), out),
+        BODY_ACCELERATION => vector(block.body_acceleration.row(point), out),
         "MP_CAUCHY_STRESS_VECTOR" => out.extend(block.stress.row(point)),
-        "MP_ALMANSI_STRAIN_VECTOR" => out.extend(block.strain.row(point)),
+        "MP_PK1_STRESS_TENSOR" => {
+            let stress = measures::cauchy_stress(block, point);
+            measures::full(&measures::first_piola_kirchhoff(&stress, &gradient()), out);
+        }
+        "MP_PK2_STRESS_VECTOR" => {
+            let stress = measures::cauchy_stress(block, point);
+            measures::symmetric(block, &measures::second_piola_kirchhoff(&stress, &gradient()), out);
+        }
+        "MP_EQUIVALENT_STRESS" => out.push(measures::von_mises(&measures::cauchy_stress(block, point))),
+        "MP_ALMANSI_STRAIN_VECTOR" if block.strain.is_used() => out.extend(block.strain.row(point)),
+        "MP_ALMANSI_STRAIN_VECTOR" => strain(almansi_strain, out),
+        "MP_GREEN_LAGRANGE_STRAIN_VECTOR" => strain(green_lagrange_strain, out),
+        "MP_HENCKY_STRAIN_VECTOR" => strain(measures::hencky_strain, out),
+        "MP_DEFORMATION_GRADIENT" => measures::full(&gradient(), out),
+        "MP_DETERMINANT_F" => out.push(gradient().determinant()),
         "MP_MASS" => out.extend(block.mass.row(point)),
         "MP_VOLUME" => out.extend(block.volume.row(point)),
         "MP_DENSITY" => out.push(block.mass.row(point)[0] / block.volume.row(point)[0]),
@@ -127,7 +167,7 @@ pub struct Energies {
     pub potential: f64,
     /// ½ m v².
     pub kinetic: f64,
-    /// ½ V σ:ε with the stored stress and strain.
+    /// V₀ W with the energy W per reference volume of the law, or ½ V σ:ε ([`Block::has_energy`]).
     pub strain: f64,
 }
 
@@ -143,13 +183,23 @@ pub fn energies(block: &Block, point: usize) -> Energies {
     let mass = block.mass.row(point)[0];
     let position = block.position.row(point);
     let velocity = block.velocity.row(point);
-    let work: f64 = block.stress.row(point).iter().zip(block.strain.row(point)).map(|(s, e)| s * e).sum();
-    let volume = if block.volume.is_used() { block.volume.row(point)[0] } else { 0.0 };
     Energies {
         potential: position.iter().zip(block.gravity).map(|(x, g)| mass * g.abs() * x).sum(),
         kinetic: 0.5 * mass * velocity.iter().map(|v| v * v).sum::<f64>(),
-        strain: 0.5 * volume * work,
+        strain: strain_energy(block, point),
     }
+}
+
+/// Strain energy of a point in J; zero where neither the law nor the columns tell it.
+fn strain_energy(block: &Block, point: usize) -> f64 {
+    if block.has_energy {
+        let deformation = Deformation::from_gradient(block.deformation_gradient(point));
+        let density = block.law.energy(&deformation).unwrap_or(f64::NAN);
+        return block.mass.row(point)[0] / block.density * density;
+    }
+    let work: f64 = block.stress.row(point).iter().zip(block.strain.row(point)).map(|(s, e)| s * e).sum();
+    let volume = if block.volume.is_used() { block.volume.row(point)[0] } else { 0.0 };
+    0.5 * volume * work
 }
 
 /// Energies of the selected points, summed in the order of their ids.

@@ -4,12 +4,13 @@ use super::block::{Block, Columns, MaterialPoints, compress, gradient_width};
 use super::conditions::PointConditions;
 use super::layout::Layout;
 use crate::settings::Placement;
-use bia_constitutive::{BodyMaterial, BuiltLaw, Catalogue, Kinematics, Options};
+use bia_constitutive::{BodyMaterial, BuiltLaw, Catalogue, Deformation, Kinematics, Options};
 use bia_kernel::diagnostic::{Diagnostic, InputErrors, Place};
 use bia_kernel::geometry::CellLocator;
 use bia_kernel::io::mdpa;
 use bia_kernel::model::{ModelPart, Properties, kratos_order};
 use bia_kernel::variables::Column;
+use nalgebra::Matrix3;
 use std::f64::consts::TAU;
 use std::path::Path;
 
@@ -207,12 +208,14 @@ fn new_block(plan: &Plan, body: usize, id: u32, element: u32) -> Result<Block, I
     }
     let options = Options { kratos_exact: plan.kratos_exact, explicit: plan.explicit };
     let law = errors.absorb(material.law(plan.catalogue, plan.kinematics, &options));
+    let undeformed = Deformation::from_gradient(Matrix3::identity());
     match law {
         Some(BuiltLaw { law, name, kinematics }) if !errors.any_error() => Ok(Block {
             body,
             material: id,
             kinematics,
             law_name: name,
+            has_energy: !plan.kratos_exact && law.energy(&undeformed).is_some(),
             density: density(properties),
             gravity: [0.0; 3],
             body_acceleration: Column::default(),
@@ -308,19 +311,22 @@ fn allocate(block: &mut Block, plan: &Plan) {
     let (count, dimension, columns) = (block.len(), plan.kinematics.dimension(), plan.columns);
     let column = |width: usize, used: bool| if used { Column::new(width, count) } else { Column::default() };
     let voigt = plan.kinematics.voigt().len();
+    let work = columns.strain_energy && !block.has_energy;
+    let shown = columns.strain && plan.kratos_exact;
     block.displacement = column(dimension, columns.displacement);
     block.velocity = column(dimension, columns.velocity);
     block.acceleration = column(dimension, columns.acceleration);
-    block.stress = column(voigt, columns.stress);
-    block.strain = column(voigt, columns.strain || block.law.uses_strain());
+    // A strain is written where the stress is.
+    block.stress = column(voigt, columns.stress || work || shown);
+    block.strain = column(voigt, block.law.uses_strain() || work || shown);
     block.body_acceleration = column(dimension, columns.body_acceleration);
-    if columns.volume {
+    if columns.volume || work {
         block.volume = block.mass.clone();
         block.volume.values_mut().iter_mut().for_each(|volume| *volume /= block.density);
     }
     let width = gradient_width(plan.kinematics);
     let mut undeformed = vec![0.0; width];
-    compress(&nalgebra::Matrix3::identity(), &mut undeformed);
+    compress(&Matrix3::identity(), &mut undeformed);
     block.gradient = Column::repeated(&undeformed, count);
     block.state = column(block.law.state_len(), true);
     block.law.initial_state(block.state.values_mut());

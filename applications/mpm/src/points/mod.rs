@@ -5,6 +5,9 @@ pub mod conditions;
 pub mod fields;
 mod generate;
 mod layout;
+mod measures;
+#[cfg(test)]
+mod tests;
 
 pub use block::{Block, Columns, MaterialPoints, Scratch, Selection, compress, expand, gradient_width, law_failure};
 pub use generate::{Plan, across, generate};

@@ -3,6 +3,7 @@
 mod acceleration;
 mod body_acceleration;
 mod energy;
+mod extrapolate;
 mod json;
 mod neumann;
 mod vtk;
@@ -15,6 +16,7 @@ pub fn register(registry: &mut Registry) {
     body_acceleration::register(registry);
     neumann::register(registry);
     energy::register(registry);
+    extrapolate::register(registry);
     json::register(registry);
     vtk::register(registry);
 }

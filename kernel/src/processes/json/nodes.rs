@@ -65,8 +65,9 @@ impl EntitySource for NodeSource {
         Location::Nodes
     }
 
-    fn tensor_length(&self, _: &Model) -> usize {
-        0
+    fn tensor_length(&self, model: &Model) -> usize {
+        let part = self.members.as_ref().and_then(|members| model.part(&members.root));
+        part.map_or(0, |part| part.node_fields.symmetric_width())
     }
 
     fn visit(

@@ -99,9 +99,9 @@ fn mesh(cells: &Cells, chosen: &[u32], nodes: &[u32], node_count: usize) -> Cell
 
 fn fields(quantities: &[Quantity], fields: &Fields, chosen: &[u32]) -> Vec<Field> {
     let field = |quantity: &Quantity| {
-        let mut values = Vec::with_capacity(quantity.width() * chosen.len());
+        let components = quantity.width(fields);
+        let mut values = Vec::with_capacity(components * chosen.len());
         chosen.iter().for_each(|&i| quantity.append(fields, i as usize, &mut values));
-        let components = values.len().checked_div(chosen.len()).filter(|n| *n > 0).unwrap_or(quantity.width());
         Field { name: quantity.name.clone(), components, values: FieldData::F64(values) }
     };
     quantities.iter().map(field).collect()
