@@ -4,8 +4,6 @@ use crate::points::{Block, MaterialPoints};
 use crate::space::Space;
 use bia_kernel::error::Failure;
 use bia_kernel::geometry::CellLocator;
-use bia_kernel::model::Cells;
-use bia_kernel::solving::ActiveDofs;
 use rayon::prelude::*;
 
 /// Marks a point that has no cell.

@@ -98,6 +98,7 @@ impl Structural {
     fn require(&mut self, requirements: &Requirements) -> Result<(), InputErrors> {
         let mut errors = InputErrors::default();
         requirements.choose(Location::Points, &[], &mut errors);
+        requirements.choose(Location::PointConditions, &[], &mut errors);
         requirements.choose(Location::Nodes, NODAL, &mut errors);
         self.elemental = requirements.choose(Location::Elements, ELEMENTAL, &mut errors);
         if requirements.record {
