@@ -4,8 +4,6 @@ use crate::points::{Block, MaterialPoints};
 use crate::space::Space;
 use bia_kernel::error::Failure;
 use bia_kernel::geometry::CellLocator;
-use bia_kernel::model::Cells;
-use bia_kernel::solving::ActiveDofs;
 use rayon::prelude::*;
 
 /// Marks a point that has no cell.
@@ -145,15 +143,4 @@ fn all_outside(points: &MaterialPoints, locator: &CellLocator) -> Option<Failure
         Some((id, x)) => failure.at(format!("material point {id}"), x),
         None => failure,
     })
-}
-
-/// The dofs of the nodes of the active cells.
-pub fn active_dofs(grid: &Cells, nodes: usize, cells: &[u32], block: usize) -> ActiveDofs {
-    let mut active = vec![false; nodes];
-    for &cell in cells {
-        for &node in grid.nodes_of(cell as usize) {
-            active[node as usize] = true;
-        }
-    }
-    ActiveDofs::new(block, &active)
 }

@@ -53,6 +53,14 @@ impl Newmark {
 }
 
 impl Coefficients {
+    /// Velocities and accelerations at the end of the step from the increments of the unknowns and
+    /// the velocities and accelerations at its start.
+    pub fn motion(&self, increments: &[f64], v0: &[f64], a0: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let old = v0.iter().zip(a0);
+        let both = increments.iter().zip(old);
+        both.map(|(&u, (&v0, &a0))| (self.velocity(u, v0, a0), self.acceleration(u, v0, a0))).unzip()
+    }
+
     /// Velocity at the end of the step.
     #[inline]
     pub fn velocity(&self, u: f64, v0: f64, a0: f64) -> f64 {
