@@ -10,7 +10,7 @@ use thiserror::Error;
 
 use crate::{
     ConstitutiveLaw, Fault, Kinematics, Law, Material, MaterialVariable, Options, linear_elastic, neo_hookean,
-    newtonian,
+    newtonian, nominal_elastic,
 };
 
 /// A law under one name.
@@ -125,6 +125,7 @@ pub fn catalogue() -> Catalogue {
         linear_elastic::entries(), //
         neo_hookean::entries(),
         newtonian::entries(),
+        nominal_elastic::entries(),
     ];
     Catalogue { entries: entries.concat() }
 }

@@ -18,6 +18,7 @@ mod linear_elastic;
 mod material;
 mod neo_hookean;
 mod newtonian;
+mod nominal_elastic;
 mod plane_stress;
 pub mod tensor;
 pub mod verify;
@@ -34,6 +35,7 @@ pub use material::{
 };
 pub use neo_hookean::NeoHookean;
 pub use newtonian::{BULK_MODULUS, DYNAMIC_VISCOSITY, NewtonianFluid};
+pub use nominal_elastic::NominalElastic;
 pub use plane_stress::PlaneStress;
 pub use tensor::{Tangent, Voigt};
 

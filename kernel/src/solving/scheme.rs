@@ -61,6 +61,12 @@ impl Coefficients {
         both.map(|(&u, (&v0, &a0))| (self.velocity(u, v0, a0), self.acceleration(u, v0, a0))).unzip()
     }
 
+    /// Of the mid-point rule u = dt (v0 + v)/2 with one acceleration a = (v - v0)/dt for the whole
+    /// step; a0 does not matter.
+    pub fn midpoint(dt: f64) -> Self {
+        Self { c0: 2.0 / (dt * dt), c1: 2.0 / dt, c2: 2.0 / dt, c3: 0.0, c4: 1.0, c5: 0.0 }
+    }
+
     /// Velocity at the end of the step.
     #[inline]
     pub fn velocity(&self, u: f64, v0: f64, a0: f64) -> f64 {

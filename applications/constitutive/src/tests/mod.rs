@@ -12,7 +12,8 @@ use crate::tensor::{stress_from_voigt, stress_to_voigt};
 use crate::verify::{stress_from_energy, tangent_from_stress};
 use crate::{
     ConstitutiveLaw, Deformation, Kinematics, LameParameters, LawEntry, LinearElastic, LinearElasticPlaneStress,
-    MaterialPlaces, NeoHookean, Options, PlaneStress, Response, Tangent, Voigt, Want, YOUNG_MODULUS, catalogue,
+    MaterialPlaces, NeoHookean, NominalElastic, Options, PlaneStress, Response, Tangent, Voigt, Want, YOUNG_MODULUS,
+    catalogue,
 };
 
 const ALL: &[usize] = &[0, 1, 2, 3, 4, 5];
@@ -90,6 +91,8 @@ fn stresses_and_tangents_are_derivatives() {
         check_derivatives(&LinearElastic::from_lame(lame), &samples(), ALL);
         check_derivatives(&LinearElasticPlaneStress::from_lame(lame), &plane_samples(), PLANE);
         check_derivatives(&PlaneStress(NeoHookean::from_lame(lame)), &plane_samples(), PLANE);
+        let stretches = [1.0, 1.3, 0.4].map(|f| Matrix3::from_diagonal(&Vector3::new(f, 1.0, 1.0)));
+        check_derivatives(&NominalElastic::from_lame(lame), &stretches, &[0]);
     }
 }
 

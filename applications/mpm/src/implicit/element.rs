@@ -18,7 +18,7 @@ use bia_kernel::solving::CellBuffer;
 use nalgebra::Matrix3;
 
 /// Points whose law is asked in one call.
-const CHUNK: usize = 8;
+pub const CHUNK: usize = 8;
 /// Voigt index of a pair of directions.
 const VOIGT: [[usize; 3]; 3] = [[0, 3, 5], [3, 1, 4], [5, 4, 2]];
 
@@ -45,8 +45,21 @@ impl<B: PlacedBasis<D, N>, const D: usize, const N: usize> pulp::WithSimd for Ce
     // that of the source, so their bits do not depend on it.
     #[inline(always)]
     fn with_simd<A: pulp::Simd>(self, _: A) -> Self::Output {
-        self.integrator.cell(&self.basis, self.state, self.points, self.buffer, self.with_matrix)
+        let Self { integrator, basis, state, points, buffer, with_matrix } = self;
+        match integrator.rule {
+            Rule::EndPoint => integrator.cell(&basis, state, points, buffer, with_matrix),
+            Rule::MidPoint => integrator.midpoint_cell(&basis, state, points, buffer, with_matrix),
+        }
     }
+}
+
+/// Where in the step the internal forces are taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Rule {
+    /// At its end.
+    EndPoint,
+    /// In its middle, such that energy is kept ([`super::midpoint`]).
+    MidPoint,
 }
 
 /// What all cells of a step share.
@@ -57,6 +70,8 @@ pub struct Integrator<'a> {
     pub kinematics: Kinematics,
     /// Where functions are evaluated.
     pub frame: Frame,
+    /// Where in the step the internal forces are taken.
+    pub rule: Rule,
     /// Time step in seconds.
     pub time_step: f64,
     /// Which of Kratos's faults act.
@@ -115,7 +130,10 @@ impl<const D: usize, const N: usize> PointKinematics<D, N> {
         }
         let inverse = match map.try_inverse() {
             Some(inverse) if map.determinant() > 0.0 => inverse,
-            _ => return Err(inverted(block, point, &map)),
+            _ => {
+                let before = if frame == Frame::Total { previous.determinant() } else { 1.0 };
+                return Err(inverted(block, point, map.determinant() / before));
+            }
         };
         let gradients =
             std::array::from_fn(|b| std::array::from_fn(|i| (0..D).map(|k| reference[i][k] * inverse[(k, b)]).sum()));
@@ -176,7 +194,7 @@ impl Integrator<'_> {
                     self.tangent(volume, at, &responses[k], &mut buffer.matrix);
                 }
                 if let Some(factor) = self.consistent_mass {
-                    consistent_inertia(mass, factor, state, at, buffer, with_matrix);
+                    consistent_inertia(mass, factor, state, &at.functions, buffer, with_matrix);
                 }
             }
         }
@@ -269,18 +287,18 @@ fn add_scaled<const N: usize>(sum: &mut [f64; N], factor: f64, other: &[f64; N])
 }
 
 /// R −= m N_i N_j b_j and K += (1 - alpha) c0 m N_i N_j.
-fn consistent_inertia<const D: usize, const N: usize>(
+pub fn consistent_inertia<const D: usize, const N: usize>(
     mass: f64,
     factor: f64,
     state: &CellState<D, N>,
-    at: &PointKinematics<D, N>,
+    functions: &[f64; N],
     buffer: &mut CellBuffer,
     with_matrix: bool,
 ) {
     let size = N * D;
     for i in 0..N {
         for j in 0..N {
-            let share = mass * at.functions[i] * at.functions[j];
+            let share = mass * functions[i] * functions[j];
             for a in 0..D {
                 buffer.vector[i * D + a] -= share * state.inertia[j][a];
                 if with_matrix {
@@ -292,20 +310,20 @@ fn consistent_inertia<const D: usize, const N: usize>(
 }
 
 /// A copy of the points' history: iterations must not change what the step started from.
-fn gather_states(block: &Block, run: &[(u32, u32)]) -> Vec<f64> {
+pub fn gather_states(block: &Block, run: &[(u32, u32)]) -> Vec<f64> {
     if !block.state.is_used() {
         return Vec::new();
     }
     run.iter().flat_map(|&(_, point)| block.state.row(point as usize)).copied().collect()
 }
 
-fn inverted(block: &Block, point: usize, map: &Matrix3<f64>) -> Failure {
+fn inverted(block: &Block, point: usize, jacobian: f64) -> Failure {
     Failure::new(
         "the deformation of this step turns a material point inside out",
         "a smaller time step, smaller loads per step, or a finer grid",
     )
     .at(format!("material point {}", block.ids[point]), block.coordinates(point))
-    .detail(format!("J of the map = {:e}", map.determinant()))
+    .detail(format!("J of this step = {jacobian:e}"))
     .detail(format!("J before this step = {:e}", block.deformation_gradient(point).determinant()))
     .detail(format!("law: {}", block.law.name()))
 }

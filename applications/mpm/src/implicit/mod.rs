@@ -3,17 +3,21 @@
 mod element;
 mod forgiving;
 mod kratos_faults;
+mod midpoint;
+mod motion;
 mod problem;
+mod projection;
 mod transfer;
 
 use crate::active::ActiveCells;
 use crate::grid::GRID;
 use crate::loads::Loads;
 use crate::points::{Columns, MaterialPoints};
-use crate::scene::{Scene, move_conditions, with_points};
-use crate::settings::{Regime, SolverSettings};
+use crate::scene::{Scene, move_conditions, points_of, with_points};
+use crate::settings::{Frame, Regime, SolverSettings};
 use crate::space::Space;
 use crate::variables::{ACCELERATION, DISPLACEMENT, NODAL_MASS, REACTION, VELOCITY};
+use bia_constitutive::Deformation;
 use bia_kernel::diagnostic::InputErrors;
 use bia_kernel::error::Error;
 use bia_kernel::io::json::JsonObject;
@@ -23,7 +27,10 @@ use bia_kernel::processes::{Clock, Context, Location, Process, Requirements, Res
 use bia_kernel::registry::Registry;
 use bia_kernel::solving::solver::{Inventory, Solver};
 use bia_kernel::solving::{ActiveDofs, Criterion, NonlinearSystem, StepReport, System};
+use element::Rule;
 use kratos_faults::KratosFaults;
+use motion::Motion;
+use nalgebra::Matrix3;
 use problem::{Inertia, Problem};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -56,6 +63,7 @@ pub struct Implicit {
     system: Option<System>,
     sums: NodalSums,
     inertia: Option<Inertia>,
+    motion: Motion,
     increments: Vec<f64>,
     assembled: Vec<f64>,
     /// DISPLACEMENT at the end of the last step, which is what Kratos's prediction reads.
@@ -84,6 +92,7 @@ impl Implicit {
             system: None,
             sums: NodalSums::default(),
             inertia: None,
+            motion: Motion::default(),
             increments: Vec::new(),
             assembled: Vec::new(),
             previous: Vec::new(),
@@ -108,30 +117,6 @@ impl Implicit {
             self.system = Some(system(&self.scene.space, &self.active.cells, &self.dofs));
         }
         Ok(())
-    }
-
-    fn gather(&mut self, points: &MaterialPoints, time_step: f64) {
-        let dynamic = self.dynamic();
-        if dynamic || self.output.mass {
-            self.sums.gather(&points.blocks, &self.active, &self.scene.space, &self.dofs, dynamic);
-        }
-        self.inertia = dynamic.then(|| {
-            let block = self.dofs.block();
-            let divided = |values: &[f64]| {
-                let at = |(dof, value): (usize, &f64)| {
-                    let mass = self.sums.mass[dof / block];
-                    if mass > f64::EPSILON { value / mass } else { 0.0 }
-                };
-                values.iter().enumerate().map(at).collect()
-            };
-            Inertia {
-                coefficients: self.scene.settings.newmark.coefficients(time_step),
-                alpha: self.scene.settings.newmark.alpha,
-                consistent: self.scene.settings.consistent_mass,
-                velocity: divided(&self.sums.momentum),
-                acceleration: divided(&self.sums.inertia),
-            }
-        });
     }
 
     fn faults(&self) -> KratosFaults {
@@ -200,6 +185,7 @@ impl Implicit {
             grid,
             space: &self.scene.space,
             frame: self.scene.settings.discretisation.frame,
+            rule: if self.scene.settings.conserves_energy { Rule::MidPoint } else { Rule::EndPoint },
             points,
             active: &self.active,
             dofs: &self.dofs,
@@ -261,7 +247,11 @@ impl Solver for Implicit {
         };
         let moves = self.dynamic();
         let needed = Columns { velocity: moves, acceleration: moves, local: true, ..Columns::default() };
-        let symmetric = self.scene.make_points(model, requirements, needed)?;
+        let conserves_energy = self.scene.settings.conserves_energy;
+        let symmetric = self.scene.make_points(model, requirements, needed)? && !conserves_energy;
+        if let Some(points) = points_of(model).filter(|_| conserves_energy) {
+            check_energies(points, &self.scene.settings)?;
+        }
         let linear = solver(self.scene.settings.linear_method(symmetric)?);
         self.linear = Some(self.faults().forgive(linear, symmetric));
         Ok(())
@@ -285,11 +275,11 @@ impl Solver for Implicit {
         with_points(context.model, |points, grid| {
             this.timed(SEARCH, |this| this.update_active(points, grid))?;
             this.timed(TO_GRID, |this| {
-                this.gather(points, time_step);
+                this.gather(points);
                 this.write_nodal_mass(grid);
                 this.predict_increments(grid);
-            });
-            Ok(())
+                this.prepare_inertia(points, grid, time_step)
+            })
         })
     }
 
@@ -344,6 +334,11 @@ impl Solver for Implicit {
             let lags = this.faults().shows_old_volume(needs_residual);
             let of_volume = if lags { &this.assembled } else { &increments };
             let space = &this.scene.space;
+            let velocities = this.inertia.as_ref().map_or(Vec::new(), |i| i.final_velocity(&increments));
+            // The grid of the total frame remembers its motion and need not ask the points for it.
+            let is_total = this.scene.settings.discretisation.frame == Frame::Total;
+            let before = this.inertia.as_ref().filter(|_| is_total).map_or(&[][..], |i| &i.velocity);
+            let velocity_changes: Vec<f64> = velocities.iter().zip(before).map(|(v, v0)| v - v0).collect();
             let nodal = NodalResults {
                 space,
                 frame: this.scene.settings.discretisation.frame,
@@ -351,13 +346,15 @@ impl Solver for Implicit {
                 increments: &increments,
                 increments_of_volume: of_volume,
                 accelerations: &accelerations,
+                velocities: &velocities,
+                velocity_changes: &velocity_changes,
+                flip_fraction: this.scene.settings.flip_fraction,
                 time_step,
                 gamma: this.scene.settings.point_gamma,
                 least_function: this.faults().least_function(),
             };
             update_points(points, &nodal)?;
             let least = nodal.least_function;
-            let velocities = this.inertia.as_ref().map_or(Vec::new(), |i| i.final_velocity(&increments));
             move_conditions(&mut points.conditions, space, &this.dofs, [&increments, &velocities], least);
             space.write_field(grid, &this.dofs, &DISPLACEMENT, &increments);
             if this.output.velocity && this.dynamic() {
@@ -371,6 +368,9 @@ impl Solver for Implicit {
                 this.previous.copy_from_slice(grid.node_fields.vector_mut(&DISPLACEMENT, count));
             }
             this.increments = increments;
+            if is_total {
+                this.motion = Motion { velocity: velocities, acceleration: accelerations };
+            }
             this.stages[TO_POINTS].1 += start.elapsed();
             Ok(())
         })
@@ -403,6 +403,19 @@ impl Solver for Implicit {
     fn save_state(&self, model: &Model, folder: &Path) -> Result<Vec<PathBuf>, Error> {
         crate::inventory::save_state(model, folder)
     }
+}
+
+/// The energy-conserving scheme is for laws that have an energy and no history.
+fn check_energies(points: &MaterialPoints, settings: &SolverSettings) -> Result<(), InputErrors> {
+    let undeformed = Deformation::from_gradient(Matrix3::identity());
+    let mut errors = InputErrors::default();
+    for block in &points.blocks {
+        if block.law.energy(&undeformed).is_none() || block.state.is_used() {
+            let message = format!("\"energy_conserving\" needs a strain energy, which {} has not", block.law_name);
+            errors.push(settings.settings.error("scheme_type", message).help("use a hyperelastic law, or newmark"));
+        }
+    }
+    errors.or(())
 }
 
 /// The system that couples the nodes of each active cell.

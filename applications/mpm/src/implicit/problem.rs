@@ -1,6 +1,6 @@
 //! One step as a nonlinear system: residual and tangent over the active nodes.
 
-use super::element::{CellState, CellTask, Integrator};
+use super::element::{CellState, CellTask, Integrator, Rule};
 use super::kratos_faults::KratosFaults;
 use super::transfer::NodalSums;
 use crate::active::ActiveCells;
@@ -59,6 +59,8 @@ pub struct Problem<'a> {
     pub space: &'a Space,
     /// Where they are evaluated.
     pub frame: Frame,
+    /// Where in the step the internal forces are taken.
+    pub rule: Rule,
     /// The points.
     pub points: &'a MaterialPoints,
     /// Cells with points.
@@ -119,6 +121,7 @@ impl NonlinearSystem for Problem<'_> {
             blocks: &self.points.blocks,
             kinematics: self.points.kinematics,
             frame: self.frame,
+            rule: self.rule,
             time_step: self.time_step,
             faults: self.faults,
             consistent_mass: consistent.map(factor),

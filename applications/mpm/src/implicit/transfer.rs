@@ -120,6 +120,12 @@ pub struct NodalResults<'a> {
     pub increments_of_volume: &'a [f64],
     /// Accelerations; empty without inertia.
     pub accelerations: &'a [f64],
+    /// Velocities at the end of the step; empty without inertia.
+    pub velocities: &'a [f64],
+    /// Changes of velocity, where the points take them as they are; else `gamma` rules.
+    pub velocity_changes: &'a [f64],
+    /// Share of FLIP in the velocity of the points; the rest is PIC.
+    pub flip_fraction: f64,
     /// Time step in seconds.
     pub time_step: f64,
     /// Weight of the new acceleration in the points' velocity. 1/2 is Kratos's convention, by which
@@ -138,6 +144,10 @@ struct Update {
     deformation: Deformation,
     step: [f64; 3],
     acceleration: [f64; 3],
+    /// Change of velocity, where the points take it as it is.
+    velocity_change: [f64; 3],
+    /// Velocity of the grid at the end of the step, where PIC has a share.
+    velocity: [f64; 3],
     volume_ratio: f64,
 }
 
@@ -167,7 +177,10 @@ fn update(block: &Block, point: usize, kinematics: Kinematics, nodal: &NodalResu
     let mut deformation = Deformation::from_gradient(gradient);
     deformation.previous = gradient;
     deformation.time_step = nodal.time_step;
-    let rest = Update { deformation, step: [0.0; 3], acceleration: [0.0; 3], volume_ratio: gradient.determinant() };
+    let none = [0.0; 3];
+    let volume_ratio = gradient.determinant();
+    let rest =
+        Update { deformation, step: none, acceleration: none, velocity_change: none, velocity: none, volume_ratio };
     let cell = block.cell[point];
     if cell == NO_CELL {
         return Ok(rest);
@@ -197,6 +210,12 @@ fn update_in<B: PlacedBasis<D, N>, const D: usize, const N: usize>(
         update.volume_ratio = earlier.gradient.determinant();
     }
     let accelerations = nodal_vectors::<D, N>(nodal.dofs, nodes, nodal.accelerations);
+    if nodal.flip_fraction < 1.0 {
+        update.velocity = interpolate::<D, N>(&at.functions, nodal, nodes, nodal.velocities);
+    }
+    if !nodal.velocity_changes.is_empty() {
+        update.velocity_change = interpolate::<D, N>(&at.functions, nodal, nodes, nodal.velocity_changes);
+    }
     for i in (0..N).filter(|&i| nodal.least_function.is_none_or(|least| at.functions[i] > least)) {
         for a in 0..D {
             update.step[a] += at.functions[i] * increments[i][a];
@@ -204,6 +223,20 @@ fn update_in<B: PlacedBasis<D, N>, const D: usize, const N: usize>(
         }
     }
     Ok(update)
+}
+
+/// Σ N v.
+fn interpolate<const D: usize, const N: usize>(
+    functions: &[f64; N],
+    nodal: &NodalResults,
+    nodes: &[u32],
+    values: &[f64],
+) -> [f64; 3] {
+    let mut sum = [0.0; 3];
+    for (n, value) in functions.iter().zip(nodal_vectors::<D, N>(nodal.dofs, nodes, values)) {
+        (0..D).for_each(|a| sum[a] += n * value[a]);
+    }
+    sum
 }
 
 /// Asks the law for the stress and the new history, if either is kept.
@@ -258,6 +291,7 @@ fn answer(
 /// Writes a point's update.
 fn store(block: &mut Block, point: usize, update: &Update, nodal: &NodalResults) {
     let (time_step, gamma) = (nodal.time_step, nodal.gamma);
+    let has_cell = block.cell[point] != NO_CELL;
     compress(&update.deformation.gradient, block.gradient.row_mut(point));
     block.position.row_mut(point).iter_mut().zip(update.step).for_each(|(x, step)| *x += step);
     if block.displacement.is_used() {
@@ -266,8 +300,14 @@ fn store(block: &mut Block, point: usize, update: &Update, nodal: &NodalResults)
     if block.velocity.is_used() {
         let old = block.acceleration.row_mut(point);
         for (i, (v, a)) in block.velocity.row_mut(point).iter_mut().zip(old).enumerate() {
-            *v += time_step * (gamma * update.acceleration[i] + (1.0 - gamma) * *a);
+            *v += match nodal.velocity_changes {
+                [] => time_step * (gamma * update.acceleration[i] + (1.0 - gamma) * *a),
+                _ => update.velocity_change[i],
+            };
             *a = update.acceleration[i];
+            if nodal.flip_fraction < 1.0 && has_cell {
+                *v = nodal.flip_fraction * *v + (1.0 - nodal.flip_fraction) * update.velocity[i];
+            }
         }
     }
     if block.volume.is_used() {

@@ -28,8 +28,16 @@ pub const KEYS: &[Key] = &Key::join::<7, 41, 48>(
         ),
         Key::optional(
             "scheme_type",
-            Kind::Choice(&["newmark", "bossak", "quasi_static", "forward_euler", "central_difference"]),
-            "dynamic: time scheme, by default bossak if implicit and central_difference if explicit",
+            Kind::Choice(&[
+                "newmark",
+                "bossak",
+                "quasi_static",
+                "energy_conserving",
+                "forward_euler",
+                "central_difference",
+            ]),
+            "dynamic: time scheme, by default bossak if implicit and central_difference if explicit; \
+             energy_conserving: mid-point rule with consistent mass in the total Lagrangian frame",
         ),
         Key::new(
             "stress_update",
@@ -89,7 +97,12 @@ pub const KEYS: &[Key] = &Key::join::<7, 41, 48>(
             "\"flip\"",
             "explicit: how velocity returns to the points",
         ),
-        Key::new("flip_fraction", Kind::Number(Range::FRACTION), "1.0", "flip: share of FLIP, the rest is PIC"),
+        Key::new(
+            "flip_fraction",
+            Kind::Number(Range::FRACTION),
+            "1.0",
+            "dynamic: share of FLIP in the velocity of the points, the rest is PIC",
+        ),
         Key::new("xpic_order", Kind::Integer { min: 1 }, "5", "xpic: number of projections"),
         Key::new(
             "position_update",

@@ -12,7 +12,7 @@ use bia_kernel::diagnostic::InputErrors;
 use bia_kernel::linalg::Method;
 use bia_kernel::parameters::{Parameters, Settings};
 use bia_kernel::solving::linear::{self, Nature};
-use bia_kernel::solving::{MeshSource, Newmark, Newton};
+use bia_kernel::solving::{Criterion, MeshSource, Newmark, Newton};
 use std::path::Path;
 
 /// What kind of equilibrium is sought.
@@ -72,6 +72,10 @@ pub struct SolverSettings {
     pub newmark: Newmark,
     /// Weight of the new acceleration in the points' velocity.
     pub point_gamma: f64,
+    /// Implicit dynamics by the mid-point rule that keeps energy.
+    pub conserves_energy: bool,
+    /// Share of FLIP in the velocity of the points of implicit dynamics; the rest is PIC.
+    pub flip_fraction: f64,
     /// Newton's method.
     pub newton: Newton,
     /// The user's linear solver settings.
@@ -127,6 +131,9 @@ impl SolverSettings {
         };
         let is_explicit = regime == Regime::Dynamic && s.text("time_integration_method") == "explicit";
         check_scheme(&s, is_explicit, &mut errors);
+        if !is_explicit {
+            check_implicit(&s, regime, &mut errors);
+        }
         let stepping = errors.absorb(Stepping::read(&s, is_explicit));
         let grid = errors.absorb(MeshSource::read(&s, "grid_model_import_settings", folder));
         let bodies = errors.absorb(MeshSource::read(&s, "model_import_settings", folder));
@@ -143,7 +150,9 @@ impl SolverSettings {
             explicit: is_explicit.then(|| explicit(&s)),
             newmark: newmark(&s),
             point_gamma: if s.text("point_velocity_rule") == "scheme" { newmark(&s).gamma() } else { 0.5 },
-            newton: Newton::read(&s),
+            conserves_energy: conserves_energy(&s),
+            flip_fraction: if let Transfer::Flip(fraction) = Transfer::of(&s) { fraction } else { 1.0 },
+            newton: newton(&s),
             linear: s.get("linear_solver_settings").cloned(),
             stepping,
             reactions: s.flag("compute_reactions"),
@@ -213,6 +222,33 @@ fn scheme_name(s: &Settings) -> Option<&str> {
     s.given("scheme_type").then(|| s.text("scheme_type"))
 }
 
+fn conserves_energy(s: &Settings) -> bool {
+    scheme_name(s) == Some("energy_conserving")
+}
+
+/// What the energy-conserving scheme and implicit transfers cannot be combined with.
+fn check_implicit(s: &Settings, regime: Regime, errors: &mut InputErrors) {
+    if conserves_energy(s) {
+        if regime != Regime::Dynamic {
+            errors.push(s.error("scheme_type", "\"energy_conserving\" needs solver_type \"dynamic\""));
+        }
+        if Discretisation::of(s).frame != Frame::Total {
+            let help = "add \"frame\": \"total_lagrangian\"";
+            errors.push(s.error("scheme_type", "\"energy_conserving\" needs the total Lagrangian frame").help(help));
+        }
+        if s.text("analysis_type") == "linear" {
+            errors.push(s.error("analysis_type", "\"energy_conserving\" needs \"non_linear\""));
+        }
+        if Transfer::of(s) != Transfer::Flip(1.0) {
+            errors
+                .push(s.error("transfer", "\"energy_conserving\" needs \"flip\" with flip_fraction 1: PIC dissipates"));
+        }
+    } else if !matches!(Transfer::of(s), Transfer::Flip(_)) {
+        let message = format!("{:?} is for explicit runs", s.text("transfer"));
+        errors.push(s.error("transfer", message).help("implicit: \"flip\" with a flip_fraction, or \"pic\""));
+    }
+}
+
 /// Schemes of the other method, and what this build does not have.
 fn check_scheme(s: &Settings, is_explicit: bool, errors: &mut InputErrors) {
     let explicit_schemes = ["forward_euler", "central_difference"];
@@ -248,4 +284,19 @@ fn explicit(s: &Settings) -> ExplicitSettings {
         transfer: Transfer::of(s),
         moves_by_point: s.text("position_update") == "point",
     }
+}
+
+/// Newton's method; energy is kept as well as the equations are solved, so that a scheme that conserves
+/// it has tight tolerances unless others are given.
+fn newton(s: &Settings) -> Newton {
+    let mut newton = Newton::read(s);
+    if let (true, Some(Criterion::Residual(tolerances))) = (conserves_energy(s), &mut newton.criterion) {
+        if !s.given("residual_relative_tolerance") {
+            tolerances.relative = 1e-11;
+        }
+        if !s.given("residual_absolute_tolerance") {
+            tolerances.absolute = 0.0;
+        }
+    }
+    newton
 }

@@ -1,0 +1,101 @@
+//! The velocity of the grid that is nearest to that of the points: M v = Σ N m v_p with the
+//! consistent mass, the least squares of Σ m |v_p − Σ N v|².
+
+use crate::active::ActiveCells;
+use crate::grid::nodal_vectors;
+use crate::points::Block;
+use crate::space::{Space, with_basis};
+use bia_kernel::error::{Error, Failure};
+use bia_kernel::geometry::CellBasis;
+use bia_kernel::linalg::{IterativeSettings, Method, solver};
+use bia_kernel::solving::{ActiveDofs, CellBuffer, System};
+
+/// Residual, relative to the right-hand side, to which the projection is solved.
+const PRECISION: f64 = 1e-14;
+
+/// What the consistent mass is integrated over.
+pub struct ConsistentMass<'a> {
+    /// Points.
+    pub blocks: &'a [Block],
+    /// Cells with points.
+    pub active: &'a ActiveCells,
+    /// The grid's functions.
+    pub space: &'a Space,
+    /// Dofs.
+    pub dofs: &'a ActiveDofs,
+}
+
+impl ConsistentMass<'_> {
+    /// Completes `velocity`, in which the fixed dofs stand, by the nearest velocity of the others.
+    ///
+    /// # Errors
+    /// The solver does not converge.
+    pub fn project(&self, system: &mut System, velocity: &mut [f64]) -> Result<(), Error> {
+        self.assemble(system, velocity)?;
+        let missing = self.solve(system)?;
+        velocity.iter_mut().zip(missing).for_each(|(v, m)| *v += m);
+        Ok(())
+    }
+
+    /// The accelerations by the forces on the free dofs.
+    ///
+    /// # Errors
+    /// The solver does not converge.
+    pub fn accelerations(&self, system: &mut System, forces: &[f64]) -> Result<Vec<f64>, Error> {
+        self.assemble(system, &vec![0.0; forces.len()])?;
+        system.rhs.copy_from_slice(forces);
+        self.solve(system)
+    }
+
+    /// M, and Σ N m (v_p − Σ N v) on the right.
+    fn assemble(&self, system: &mut System, velocity: &[f64]) -> Result<(), Error> {
+        system.clear(true);
+        system.add_cells(true, |index, buffer| {
+            let cell = self.active.cells[index] as usize;
+            with_basis!(self.space, cell, |basis, D, N| {
+                let known = nodal_vectors::<D, N>(self.dofs, self.space.nodes_of(cell), velocity);
+                for &(block, point) in self.active.points(index) {
+                    add_point::<_, D, N>(&basis, &self.blocks[block as usize], point as usize, &known, buffer);
+                }
+            }, else ());
+            Ok(())
+        })
+    }
+
+    /// Conjugate gradients, which serve where the points leave part of the functions undetermined, too:
+    /// that part stays zero.
+    fn solve(&self, system: &mut System) -> Result<Vec<f64>, Error> {
+        system.matrix.constrain(self.dofs.fixed(), &mut system.rhs);
+        let settings = IterativeSettings { maximum_iterations: 10_000, ..IterativeSettings::new(PRECISION) };
+        let mut solution = vec![0.0; system.rhs.len()];
+        let solved = solver(Method::ConjugateGradient(settings)).solve(&system.matrix, &system.rhs, &mut solution);
+        solved.map_err(|error| {
+            let what = format!("the motion of the points cannot be projected to the grid: {error}");
+            Failure::new(what, "more material points in each cell, or functions of a lower order")
+        })?;
+        Ok(solution)
+    }
+}
+
+/// M += m N_i N_j and R += m N_i (v_p − Σ N v).
+fn add_point<B: CellBasis<D, N>, const D: usize, const N: usize>(
+    basis: &B,
+    block: &Block,
+    point: usize,
+    known: &[[f64; D]; N],
+    buffer: &mut CellBuffer,
+) {
+    let functions = basis.functions(&block.local.get::<D>(point));
+    let mass = block.mass.get::<1>(point)[0];
+    let mut missing = block.velocity.get::<D>(point);
+    for (n, known) in functions.iter().zip(known) {
+        (0..D).for_each(|a| missing[a] -= n * known[a]);
+    }
+    for i in 0..N {
+        for a in 0..D {
+            buffer.vector[i * D + a] += mass * functions[i] * missing[a];
+            let row = &mut buffer.matrix[((i * D + a) * D + a) * N..][..N];
+            row.iter_mut().zip(&functions).for_each(|(entry, n)| *entry += mass * functions[i] * n);
+        }
+    }
+}
