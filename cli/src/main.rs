@@ -50,6 +50,8 @@ fn registry() -> Registry {
     let mut registry = Registry::with_kernel();
     #[cfg(feature = "mpm")]
     bia_mpm::register(&mut registry);
+    #[cfg(feature = "structural")]
+    bia_structural::register(&mut registry);
     registry
 }
 

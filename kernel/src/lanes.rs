@@ -6,6 +6,7 @@
 //! one by one (no fused multiply-add), so that all machines and all widths give the same bits.
 
 use pulp::Simd;
+use std::any::Any;
 use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
 /// Most lanes that any machine has.
@@ -173,6 +174,24 @@ impl<S: Simd> Lanes<S> {
         self.simd.reduce_sum_f64s(self.value)
     }
 
+    /// Sums of all lanes of eight vectors.
+    #[inline(always)]
+    pub fn sums(values: &[Self; 8]) -> [f64; 8] {
+        #[cfg(target_arch = "x86_64")]
+        if let Some(v4) = (&values[0].simd as &dyn Any).downcast_ref::<pulp::x86::V4>() {
+            let mut vectors = [pulp::f64x8(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0); 8];
+            for k in 0..8 {
+                vectors[k] = bytemuck::cast(values[k].value);
+            }
+            return sums_of_eight(*v4, &vectors);
+        }
+        let mut sums = [0.0; 8];
+        for k in 0..8 {
+            sums[k] = values[k].sum();
+        }
+        sums
+    }
+
     /// Whether all lanes lie between two numbers; none that is not a number does.
     #[inline(always)]
     pub fn all_within(self, low: f64, high: f64) -> bool {
@@ -180,6 +199,28 @@ impl<S: Simd> Lanes<S> {
         let cut = self - self.max(self.constant(low)).min(self.constant(high));
         (cut * cut).sum() == 0.0
     }
+}
+
+/// Sums of all lanes of eight vectors of eight lanes: pairs of vectors are added crosswise three
+/// times, which takes a third of the instructions that one sum after the other takes.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+fn sums_of_eight(simd: pulp::x86::V4, vectors: &[pulp::f64x8; 8]) -> [f64; 8] {
+    let f = simd.avx512f;
+    let mut v = [f._mm512_setzero_pd(); 8];
+    for k in 0..8 {
+        v[k] = pulp::cast(vectors[k]);
+    }
+    for k in 0..4 {
+        let (a, b) = (v[2 * k], v[2 * k + 1]);
+        v[k] = f._mm512_add_pd(f._mm512_unpacklo_pd(a, b), f._mm512_unpackhi_pd(a, b));
+    }
+    for k in [0, 1, 0] {
+        let (a, b) = (v[2 * k], v[2 * k + 1]);
+        let even = f._mm512_shuffle_f64x2::<0b10_00_10_00>(a, b);
+        v[k] = f._mm512_add_pd(even, f._mm512_shuffle_f64x2::<0b11_01_11_01>(a, b));
+    }
+    pulp::cast(v[0])
 }
 
 macro_rules! operator {
@@ -285,6 +326,33 @@ mod tests {
             let (a, b) = (numbers[0][l], numbers[1][l]);
             assert_eq!(out[0].0[l], -(a * b - b / a) * 2.0 + a);
         }
+    }
+
+    struct Sums;
+
+    impl WithSimd for Sums {
+        type Output = ();
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) {
+            let numbers: Vec<f64> = (0..64).map(|k| f64::from(k * k)).collect();
+            let mut values = [Lanes::splat(simd, 0.0); 8];
+            for (k, value) in values.iter_mut().enumerate() {
+                *value = Lanes::gather(simd, &numbers, k, 8);
+            }
+            let expected: [f64; 8] = std::array::from_fn(|k| (0..Lanes::<S>::COUNT).map(|l| numbers[8 * l + k]).sum());
+            assert_eq!(Lanes::sums(&values), expected);
+            assert_eq!(values.map(Lanes::sum), expected);
+            let mut out = vec![0.0; 64];
+            values.iter().enumerate().for_each(|(k, value)| value.scatter(&mut out, k, 8));
+            let whole = 8 * Lanes::<S>::COUNT;
+            assert_eq!(out[..whole], numbers[..whole]);
+        }
+    }
+
+    #[test]
+    fn sums_run_over_all_lanes() {
+        Arch::new().dispatch(Sums);
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Typed variables and the columns that hold their values, allocated on demand.
 
+use crate::io::json::JsonObject;
 use std::collections::BTreeMap;
 
 /// How many numbers a value of a variable has.
@@ -50,7 +51,7 @@ impl Variable {
     }
 }
 
-/// Values of variables on the nodes or conditions of a model part. A variable that no component
+/// Values of variables on the nodes, elements or conditions of a model part. A variable that no component
 /// of the scene asks for has no column.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Fields {
@@ -105,6 +106,23 @@ impl Fields {
     /// Which components are fixed, to be changed.
     pub fn fixed_mut(&mut self, variable: &Variable, count: usize) -> &mut [[bool; 3]] {
         self.fixed.entry(variable.name).or_insert_with(|| vec![[false; 3]; count])
+    }
+
+    /// Writes every column to the account of a run.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn record(&self, out: &mut JsonObject) -> std::io::Result<()> {
+        for (name, column) in &self.scalars {
+            out.numbers(name, column.iter().copied())?;
+        }
+        for (name, column) in &self.vectors {
+            out.rows(name, column)?;
+        }
+        for (name, column) in &self.rows {
+            out.rows(name, column.values().chunks_exact(column.width().max(1)))?;
+        }
+        Ok(())
     }
 
     /// Names of the columns that exist and the bytes they take.

@@ -5,6 +5,7 @@ use std::fmt::Write;
 /// Kinds of cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cell {
+    Line,
     Triangle,
     Quadrilateral,
     Tetrahedron,
@@ -13,11 +14,16 @@ pub enum Cell {
 
 impl Cell {
     pub fn dimension(self) -> usize {
-        if matches!(self, Cell::Triangle | Cell::Quadrilateral) { 2 } else { 3 }
+        match self {
+            Cell::Line => 1,
+            Cell::Triangle | Cell::Quadrilateral => 2,
+            Cell::Tetrahedron | Cell::Hexahedron => 3,
+        }
     }
 
     fn suffix(self) -> &'static str {
         match self {
+            Cell::Line => "1D2N",
             Cell::Triangle => "2D3N",
             Cell::Quadrilateral => "2D4N",
             Cell::Tetrahedron => "3D4N",
@@ -35,11 +41,10 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// A block from `low` to `high` with so many boxes along each axis; the third is ignored in the
-    /// plane. Each box is one quadrilateral or hexahedron, two triangles, or six tetrahedra.
+    /// A block from `low` to `high` with so many boxes along each axis; those beyond the cell's
+    /// dimension are ignored. Each box is one quadrilateral or hexahedron, two triangles, or six tetrahedra.
     pub fn block(cell: Cell, counts: [usize; 3], low: [f64; 3], high: [f64; 3]) -> Self {
-        let flat = cell.dimension() == 2;
-        let [nx, ny, nz] = [counts[0], counts[1], if flat { 0 } else { counts[2] }];
+        let [nx, ny, nz] = std::array::from_fn(|a| if a < cell.dimension() { counts[a] } else { 0 });
         let mut nodes = Vec::new();
         for k in 0..=nz {
             for j in 0..=ny {
@@ -54,11 +59,12 @@ impl Mesh {
         let node = |i: usize, j: usize, k: usize| (k * (ny + 1) + j) * (nx + 1) + i;
         let mut cells = Vec::new();
         for k in 0..nz.max(1) {
-            for j in 0..ny {
+            for j in 0..ny.max(1) {
                 for i in 0..nx {
                     let floor = |k| [node(i, j, k), node(i + 1, j, k), node(i + 1, j + 1, k), node(i, j + 1, k)];
                     let [a, b, c, d] = floor(k);
                     match cell {
+                        Cell::Line => cells.push(vec![a, b]),
                         Cell::Quadrilateral => cells.push(vec![a, b, c, d]),
                         Cell::Triangle => cells.extend([vec![a, b, c], vec![a, c, d]]),
                         Cell::Hexahedron => cells.push([floor(k), floor(k + 1)].concat()),

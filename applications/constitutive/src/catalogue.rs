@@ -5,6 +5,7 @@
 
 use bia_kernel::diagnostic::{Diagnostic, InputErrors, Place};
 use bia_kernel::model::Properties;
+use bia_kernel::registry::Registry;
 use thiserror::Error;
 
 use crate::{
@@ -127,6 +128,14 @@ pub fn catalogue() -> Catalogue {
         nominal_elastic::entries(),
     ];
     Catalogue { entries: entries.concat() }
+}
+
+/// Adds the laws of this crate to the registry's catalogue; names that are there already are kept.
+pub fn register(registry: &mut Registry) {
+    let known = registry.catalogue_mut::<Catalogue>();
+    let new = catalogue().entries.into_iter().filter(|entry| known.find(entry.name).is_none());
+    let new: Vec<LawEntry> = new.collect();
+    known.entries.extend(new);
 }
 
 impl Catalogue {

@@ -10,8 +10,8 @@
 use bia_kernel::lanes::Real;
 
 use crate::{
-    ConstitutiveLaw, DENSITY, Deformation, Fault, LameParameters, LawError, Material, MaterialVariable,
-    POISSON_RATIO, Tangent, Voigt, YOUNG_MODULUS,
+    ConstitutiveLaw, DENSITY, Deformation, Fault, LameParameters, LawError, Material, MaterialVariable, POISSON_RATIO,
+    Tangent, Voigt, YOUNG_MODULUS,
     tensor::{Tensor, adjugate, volume_ratio},
 };
 

@@ -8,6 +8,7 @@
 //!
 //! Voigt order throughout: xx, yy, zz, xy, yz, xz. SI units.
 
+mod body_material;
 mod catalogue;
 mod error;
 mod hypoelastic;
@@ -22,7 +23,8 @@ mod plane_stress;
 pub mod tensor;
 pub mod verify;
 
-pub use catalogue::{Build, Catalogue, DuplicateLaw, LawEntry, MaterialPlaces, catalogue};
+pub use body_material::{BodyMaterial, BuiltLaw, MATERIAL_IMPORT, MaterialSource};
+pub use catalogue::{Build, Catalogue, DuplicateLaw, LawEntry, MaterialPlaces, catalogue, register};
 pub use error::LawError;
 pub use hypoelastic::Hypoelastic;
 pub use kinematics::Kinematics;

@@ -82,9 +82,6 @@ pub fn nodal_vectors<const D: usize, const N: usize>(
 
 /// Writes a vector over the active dofs to a column of the grid; other nodes keep their values.
 pub fn write_nodal(grid: &mut ModelPart, dofs: &ActiveDofs, variable: &Variable, values: &[f64]) {
-    let (count, block) = (grid.nodes.len(), dofs.block());
-    let column = grid.node_fields.vector_mut(variable, count);
-    for (number, &node) in dofs.nodes().iter().enumerate() {
-        column[node as usize][..block].copy_from_slice(&values[number * block..(number + 1) * block]);
-    }
+    let count = grid.nodes.len();
+    dofs.scatter(values, grid.node_fields.vector_mut(variable, count));
 }

@@ -9,9 +9,8 @@ use crate::scene::{Scene, points_of};
 use bia_constitutive::Kinematics;
 use bia_kernel::error::Error;
 use bia_kernel::io::dataset::{CellsOf, Dataset, Field, FieldData};
-use bia_kernel::io::vtu::{VtuOptions, write_vtu};
 use bia_kernel::model::Model;
-use bia_kernel::solving::solver::Inventory;
+use bia_kernel::solving::solver::{Inventory, write_failed_state};
 use bia_kernel::variables::Column;
 use std::path::{Path, PathBuf};
 
@@ -206,10 +205,5 @@ pub fn save_state(model: &Model, folder: &Path) -> Result<Vec<PathBuf>, Error> {
             data.point_fields.push(Field { name: variable.into(), components, values: FieldData::F64(values) });
         }
     }
-    let path = folder.join(bia_kernel::analysis::FAILED_STATE);
-    let written = std::fs::create_dir_all(folder).and_then(|()| write_vtu(&path, &data, None, &VtuOptions::default()));
-    match written {
-        Ok(_) => Ok(vec![path]),
-        Err(source) => Err(Error::Write { path, source }),
-    }
+    write_failed_state(&data, folder)
 }

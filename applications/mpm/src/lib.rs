@@ -9,7 +9,6 @@ mod grid;
 mod implicit;
 mod inventory;
 mod loads;
-mod materials;
 mod names;
 pub mod points;
 mod processes;
@@ -27,7 +26,7 @@ pub fn register(registry: &mut Registry) {
     variables::register(registry);
     names::register(registry);
     registry.body_mesh("Initial_MPM_Material", "MPMUpdatedLagrangian");
-    *registry.catalogue_mut() = bia_constitutive::catalogue();
+    bia_constitutive::register(registry);
     solvers::register(registry);
     processes::register(registry);
 }

@@ -3,21 +3,19 @@
 
 use crate::active::search;
 use crate::grid::GRID;
+use crate::points::MaterialPoints;
 use crate::points::conditions::{self, PointConditions, Requests};
 use crate::points::{Columns, Plan, fields, generate};
-use crate::settings::{Frame, MeshSource, Regime, SolverSettings};
+use crate::settings::{Frame, Regime, SolverSettings};
 use crate::space::Space;
-use crate::{materials, points::MaterialPoints};
-use bia_constitutive::Catalogue;
+use bia_constitutive::{BodyMaterial, Catalogue};
 use bia_kernel::diagnostic::{Diagnostic, InputErrors, Place};
 use bia_kernel::error::{Error, Failure};
-use bia_kernel::geometry::{CellLocator, check_cells};
-use bia_kernel::io::mdpa::{self, Category};
+use bia_kernel::geometry::CellLocator;
 use bia_kernel::model::{Model, ModelPart};
 use bia_kernel::processes::{Location, Requirements, RunOptions};
 use bia_kernel::registry::Registry;
 use bia_kernel::solving::ActiveDofs;
-use std::path::Path;
 
 /// Nodal variables that the solver can show.
 const NODAL_VARIABLES: &[&str] = &[
@@ -33,22 +31,6 @@ const NODAL_VARIABLES: &[&str] = &[
     "NEGATIVE_FACE_PRESSURE",
 ];
 
-/// Faults of cells that are shown; the rest is counted.
-const SHOWN: usize = 20;
-
-/// Refuses cells that are turned inside out, folded or flat.
-fn check_mesh(part: &ModelPart, dimension: usize, file: Option<&Path>, errors: &mut InputErrors) {
-    let faults = check_cells(part, &part.elements, dimension);
-    for fault in faults.iter().take(SHOWN) {
-        let place = file.map_or_else(Place::default, |f| mdpa::place_of(f, Category::Element, fault.id()));
-        errors.push(Diagnostic::error(place, fault.to_string()));
-    }
-    if faults.len() > SHOWN {
-        let message = format!("and {} more cells of {}", faults.len() - SHOWN, part.name);
-        errors.push(Diagnostic::error(file.map_or_else(Place::default, Place::file), message));
-    }
-}
-
 /// A scene: its settings, its materials and the search on its grid.
 pub struct Scene {
     /// Settings.
@@ -56,7 +38,7 @@ pub struct Scene {
     /// Choices of the run.
     pub options: RunOptions,
     /// Materials.
-    pub materials: Vec<materials::Material>,
+    pub materials: Vec<BodyMaterial>,
     /// Search on the grid, once it is there.
     pub locator: Option<CellLocator>,
     /// The grid's functions, once it is there.
@@ -84,32 +66,18 @@ impl Scene {
             (GRID, &self.settings.grid, "grid_model_import_settings"),
             (initial.as_str(), &self.settings.bodies, "model_import_settings"),
         ] {
-            match source {
-                MeshSource::File(file) => {
-                    if let Some(part) = errors.absorb(mdpa::read(file, name, registry)) {
-                        model.insert(part);
-                    }
-                }
-                MeshSource::Modeler if model.part(name).is_none() => {
-                    let message = format!("no modeler makes the model part {name:?}");
-                    let parts: Vec<&str> = model.parts().iter().map(|part| part.name.as_str()).collect();
-                    let diagnostic = self.settings.settings.error(key, message);
-                    errors.push(diagnostic.help(format!("name an mdpa file; the modelers make: {}", parts.join(", "))));
-                }
-                MeshSource::Modeler => {}
-            }
-            if let Some(part) = model.part(name) {
-                check_mesh(part, self.settings.dimension, source.file(), &mut errors);
-                if name == GRID && part.elements.is_empty() {
-                    let place = source.file().map_or_else(Place::default, Place::file);
-                    errors.push(Diagnostic::error(place, "the background grid has no elements"));
-                }
+            let settings = (&self.settings.settings, key);
+            errors.absorb(source.import(model, name, self.settings.dimension, registry, settings));
+            if name == GRID && model.part(name).is_some_and(|part| part.elements.is_empty()) {
+                let place = source.file().map_or_else(Place::default, Place::file);
+                errors.push(Diagnostic::error(place, "the background grid has no elements"));
             }
         }
         self.catalogue = registry.catalogue::<Catalogue>().cloned().unwrap_or_default();
         if let Some(bodies) = model.part_mut(&initial) {
-            let read = materials::read(&self.settings.materials, bodies, &self.settings.part, &self.catalogue);
-            self.materials = errors.absorb(read).unwrap_or_default();
+            let roots = [initial.as_str(), self.settings.part.as_str()];
+            self.materials =
+                errors.absorb(self.settings.materials.assign(bodies, &roots, &self.catalogue)).unwrap_or_default();
         }
         errors.or(())
     }
@@ -191,6 +159,7 @@ impl Scene {
                 Location::PointConditions if !fields::CONDITION_VARIABLES.contains(&name) => {
                     errors.push(unknown(&mut fields::CONDITION_VARIABLES.iter().copied()));
                 }
+                Location::Elements => errors.push(unknown(&mut std::iter::empty())),
                 Location::Nodes if !NODAL_VARIABLES.contains(&name) && !requirements.provided.contains(&name) => {
                     let names = NODAL_VARIABLES.iter().chain(&requirements.provided);
                     errors.push(unknown(&mut names.copied()));

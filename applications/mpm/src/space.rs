@@ -30,16 +30,13 @@ macro_rules! with_basis {
                 }, else $other)
             }
             $crate::space::Functions::Tensor(tensor) => match (tensor.dimension(), tensor.basis.degree()) {
-                (1, 1) => $crate::space::with_degree!(tensor, $cell, 1, 2, 2, |$basis, $D, $N| $body, else $other),
                 (1, 2) => $crate::space::with_degree!(tensor, $cell, 1, 3, 3, |$basis, $D, $N| $body, else $other),
                 (1, 3) => $crate::space::with_degree!(tensor, $cell, 1, 4, 4, |$basis, $D, $N| $body, else $other),
                 (1, 4) => $crate::space::with_degree!(tensor, $cell, 1, 5, 5, |$basis, $D, $N| $body, else $other),
                 (1, 5) => $crate::space::with_degree!(tensor, $cell, 1, 6, 6, |$basis, $D, $N| $body, else $other),
                 (1, 6) => $crate::space::with_degree!(tensor, $cell, 1, 7, 7, |$basis, $D, $N| $body, else $other),
-                (2, 1) => $crate::space::with_degree!(tensor, $cell, 2, 4, 2, |$basis, $D, $N| $body, else $other),
                 (2, 2) => $crate::space::with_degree!(tensor, $cell, 2, 9, 3, |$basis, $D, $N| $body, else $other),
                 (2, 3) => $crate::space::with_degree!(tensor, $cell, 2, 16, 4, |$basis, $D, $N| $body, else $other),
-                (3, 1) => $crate::space::with_degree!(tensor, $cell, 3, 8, 2, |$basis, $D, $N| $body, else $other),
                 (3, 2) => $crate::space::with_degree!(tensor, $cell, 3, 27, 3, |$basis, $D, $N| $body, else $other),
                 (3, 3) => $crate::space::with_degree!(tensor, $cell, 3, 64, 4, |$basis, $D, $N| $body, else $other),
                 _ => $other,
@@ -124,7 +121,8 @@ impl Space {
     /// A degree that is not offered, or a grid that is not regular where the functions need one.
     pub fn new(grid: &ModelPart, choice: &Discretisation, settings: &Settings) -> Result<Self, InputErrors> {
         let (family, degree) = match choice.basis {
-            Basis::Mesh => return Ok(Self::of_mesh(grid)),
+            // Of degree 1 they are the mesh's own.
+            Basis::Mesh | Basis::Lagrange(1) | Basis::BSpline(1) => return Ok(Self::of_mesh(grid)),
             Basis::Lagrange(degree) => (Family::Lagrange, degree),
             Basis::BSpline(degree) => (Family::BSpline, degree),
         };

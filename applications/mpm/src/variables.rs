@@ -21,11 +21,6 @@ variables! {
     vector REACTION, "N", "force that holds a fixed grid node";
     scalar NODAL_MASS, "kg", "mass gathered on a grid node";
     scalar PRESSURE, "Pa", "pressure of a grid node";
-    vector POINT_LOAD, "N", "force on a point";
-    vector LINE_LOAD, "N/m", "force per length of a line";
-    vector SURFACE_LOAD, "N/m²", "force per area of a surface";
-    scalar POSITIVE_FACE_PRESSURE, "Pa", "pressure on the positive side of a face";
-    scalar NEGATIVE_FACE_PRESSURE, "Pa", "pressure on the negative side of a face";
     vector MP_COORD, "m", "position of a material point";
     vector MP_DISPLACEMENT, "m", "displacement of a material point";
     vector MP_VELOCITY, "m/s", "velocity of a material point";
@@ -60,6 +55,7 @@ variables! {
 
 /// Registers them.
 pub fn register(registry: &mut Registry) {
+    bia_kernel::solving::loads::register(registry);
     for variable in ALL {
         registry.variable(*variable);
     }

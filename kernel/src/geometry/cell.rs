@@ -53,6 +53,28 @@ pub struct Tetrahedron4;
 #[derive(Debug, Clone, Copy)]
 pub struct Hexahedron8;
 
+/// Evaluates an expression with the type of a solid cell's shape, its dimension and its number of
+/// nodes as names: `with_shape!(shape, |S, D, N| expression, else other)`. A point yields `other`.
+#[macro_export]
+macro_rules! with_shape {
+    ($shape:expr, |$S:ident, $D:ident, $N:ident| $body:expr, else $other:expr) => {
+        $crate::with_shape!(@ $shape, |$S, $D, $N| $body, else $other,
+            Line2 1 2, Triangle3 2 3, Quadrilateral4 2 4, Tetrahedron4 3 4, Hexahedron8 3 8)
+    };
+    (@ $shape:expr, |$S:ident, $D:ident, $N:ident| $body:expr, else $other:expr,
+        $($name:ident $dimension:literal $nodes:literal),*) => {
+        match $shape {
+            $($crate::geometry::Shape::$name => {
+                type $S = $crate::geometry::$name;
+                const $D: usize = $dimension;
+                const $N: usize = $nodes;
+                $body
+            })*
+            $crate::geometry::Shape::Point1 => $other,
+        }
+    };
+}
+
 impl CellShape<1, 2> for Line2 {
     const SHAPE: Shape = Shape::Line2;
 

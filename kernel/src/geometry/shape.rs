@@ -185,6 +185,18 @@ impl Shape {
         ShapeTable::new(self, xi).jacobian_determinant(corners)
     }
 
+    /// Normal at ξ whose length is the ratio of physical to local measure: of a line in the plane to
+    /// its right, of a surface by the right hand; 0 for shapes that have none.
+    pub fn normal(self, corners: &[[f64; 3]], xi: [f64; 3]) -> [f64; 3] {
+        let jacobian = self.jacobian(corners, xi);
+        let column = |j: usize| [jacobian[0][j], jacobian[1][j], jacobian[2][j]];
+        match self.dimension() {
+            1 => [jacobian[1][0], -jacobian[0][0], 0.0],
+            2 => cross(column(0), column(1)),
+            _ => [0.0; 3],
+        }
+    }
+
     /// Length (m), area (m²) or volume (m³) of the cell with these corners; 1 for a point.
     ///
     /// Volumes have the sign of det J. Lines and surfaces may stand in space, where they have no

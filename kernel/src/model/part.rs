@@ -29,6 +29,15 @@ impl Nodes {
     pub fn index(&self, id: u32) -> Option<u32> {
         find(&self.ids, id)
     }
+
+    /// First `D` coordinates of a cell's nodes.
+    #[inline]
+    pub fn gather<const D: usize, const N: usize>(&self, nodes: &[u32]) -> [[f64; D]; N] {
+        std::array::from_fn(|i| {
+            let x = &self.coordinates[nodes[i] as usize];
+            std::array::from_fn(|a| x[a])
+        })
+    }
 }
 
 /// Index of `id` in ascending `ids`; ids without gaps are found without a search.
@@ -166,6 +175,8 @@ pub struct ModelPart {
     pub children: Vec<SubModelPart>,
     /// Values on the nodes, allocated on demand.
     pub node_fields: Fields,
+    /// Values on the elements, allocated on demand.
+    pub element_fields: Fields,
     /// Values on the conditions, allocated on demand.
     pub condition_fields: Fields,
     /// Data given to nodes in the mesh file: variable → (node index, fixed, value).

@@ -15,6 +15,7 @@ use crate::diagnostic::InputErrors;
 use crate::error::Error;
 use crate::model::Model;
 use crate::parameters::Parameters;
+use crate::variables::Variable;
 use std::path::PathBuf;
 
 /// Step and time of the analysis.
@@ -60,8 +61,10 @@ pub enum Location {
     Points,
     /// On the conditions of the points' part.
     PointConditions,
-    /// On grid nodes.
+    /// On nodes of a mesh.
     Nodes,
+    /// On elements of a mesh.
+    Elements,
 }
 
 /// A variable that a process will read, with the place of the JSON that asks for it.
@@ -91,6 +94,25 @@ pub struct Requirements {
 }
 
 impl Requirements {
+    /// Those of the variables that a solver knows at a location which are wanted there; the others
+    /// that are wanted there become errors, unless a process provides them.
+    pub fn choose(&self, location: Location, known: &[Variable], errors: &mut InputErrors) -> Vec<Variable> {
+        let mut chosen: Vec<Variable> = Vec::new();
+        let provided = |name: &str| location == Location::Nodes && self.provided.contains(&name);
+        for wanted in self.variables.iter().filter(|wanted| wanted.location == location && !provided(&wanted.variable)) {
+            match known.iter().find(|variable| variable.name == wanted.variable) {
+                Some(variable) if chosen.iter().any(|other| other.name == variable.name) => {}
+                Some(variable) => chosen.push(*variable),
+                None => {
+                    let message = format!("nobody in this scene provides {:?}", wanted.variable);
+                    let names = known.iter().map(|variable| variable.name);
+                    errors.push(wanted.place.error(message).allowed(&wanted.variable, names));
+                }
+            }
+        }
+        chosen
+    }
+
     /// Says that the process at `place` writes a nodal variable, at the end of each step. Processes
     /// that read it must come after it, and no other may write it.
     pub fn provide(&mut self, variable: &'static str, place: &Parameters) {

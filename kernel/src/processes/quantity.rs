@@ -75,7 +75,7 @@ impl Quantity {
         }
     }
 
-    /// Appends the value of a node (or condition); zero where the variable has no column.
+    /// Appends the value of a node (or cell); zero where the variable has no column.
     pub fn append(&self, fields: &Fields, index: usize, out: &mut Vec<f64>) {
         let components = match self.component {
             Some(component) => component..component + 1,

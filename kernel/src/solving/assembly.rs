@@ -3,7 +3,9 @@
 //! Cells are computed in parallel, a batch at a time, and added one after the other in their
 //! order: the sums have the same bits for every number of threads.
 
+use super::ActiveDofs;
 use super::ordered::in_order;
+use crate::model::Cells;
 use bia_linalg::{BlockMatrix, BlockPattern};
 use std::sync::Arc;
 
@@ -28,6 +30,20 @@ pub struct CellBuffer {
     pub matrix: Vec<f64>,
     /// nodes × block.
     pub vector: Vec<f64>,
+    /// Room for whatever the application needs while it computes a cell; never cleared.
+    pub scratch: Vec<f64>,
+}
+
+impl CellBuffer {
+    /// Zeros for a cell of this size, nodes × block.
+    pub fn clear(&mut self, size: usize, with_matrix: bool) {
+        self.vector.clear();
+        self.vector.resize(size, 0.0);
+        if with_matrix {
+            self.matrix.clear();
+            self.matrix.resize(size * size, 0.0);
+        }
+    }
 }
 
 impl System {
@@ -49,6 +65,17 @@ impl System {
         let pattern = Arc::new(pattern);
         let rhs = vec![0.0; block * rows];
         Self { matrix: BlockMatrix::new(pattern), rhs, cells, starts, places, place_starts, buffers: Vec::new() }
+    }
+
+    /// The system that couples the nodes of each of these cells.
+    pub fn of_cells(cells: &Cells, chosen: &[u32], dofs: &ActiveDofs) -> Self {
+        let (mut numbers, mut starts) = (Vec::new(), vec![0]);
+        for &cell in chosen {
+            let of_cell = cells.nodes_of(cell as usize).iter().filter_map(|&node| dofs.number(node));
+            numbers.extend(of_cell.map(|number| number as u32));
+            starts.push(numbers.len() as u32);
+        }
+        Self::new(dofs.block(), dofs.nodes().len(), numbers, starts)
     }
 
     /// Sets the right-hand side, and the matrix if wanted, to zero.
@@ -73,12 +100,7 @@ impl System {
         let mut buffers = std::mem::take(&mut self.buffers);
         let sizes: Vec<usize> = self.starts.windows(2).map(|range| block * (range[1] - range[0]) as usize).collect();
         let prepare = |cell: usize, buffer: &mut CellBuffer| {
-            buffer.vector.clear();
-            buffer.vector.resize(sizes[cell], 0.0);
-            if with_matrix {
-                buffer.matrix.clear();
-                buffer.matrix.resize(sizes[cell] * sizes[cell], 0.0);
-            }
+            buffer.clear(sizes[cell], with_matrix);
             compute(cell, buffer)
         };
         let add = |cell: usize, buffer: &CellBuffer| self.add_cell(cell, buffer, with_matrix);

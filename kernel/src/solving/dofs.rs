@@ -1,5 +1,7 @@
 //! The unknowns: a block of dofs on each active node.
 
+use crate::model::Cells;
+
 /// Marks a node without dofs.
 const NONE: u32 = u32::MAX;
 
@@ -21,6 +23,15 @@ impl ActiveDofs {
             numbers[node as usize] = number as u32;
         }
         Self { block, fixed: vec![false; block * nodes.len()], nodes, numbers }
+    }
+
+    /// Numbers the nodes of these cells.
+    pub fn of_cells(block: usize, nodes: usize, cells: &Cells, chosen: &[u32]) -> Self {
+        let mut active = vec![false; nodes];
+        for &cell in chosen {
+            cells.nodes_of(cell as usize).iter().for_each(|&node| active[node as usize] = true);
+        }
+        Self::new(block, &active)
     }
 
     /// Dofs a node.
@@ -61,6 +72,40 @@ impl ActiveDofs {
         &mut self.fixed
     }
 
+    /// Values of a cell's nodes out of a vector over the dofs; zeros if it is empty.
+    #[inline]
+    pub fn gather<const D: usize, const N: usize>(&self, nodes: &[u32], values: &[f64]) -> [[f64; D]; N] {
+        std::array::from_fn(|i| match self.number(nodes[i]) {
+            Some(number) if !values.is_empty() => std::array::from_fn(|a| values[number * D + a]),
+            _ => [0.0; D],
+        })
+    }
+
+    /// The vector over the dofs of a column of all nodes; zeros if there is none.
+    pub fn collect(&self, column: Option<&[[f64; 3]]>) -> Vec<f64> {
+        let value = |dof| {
+            let (node, a) = self.node_of(dof);
+            column.map_or(0.0, |column| column[node as usize][a])
+        };
+        (0..self.order()).map(value).collect()
+    }
+
+    /// Writes a vector over the dofs to a column of all nodes; other nodes keep their values.
+    pub fn scatter(&self, values: &[f64], column: &mut [[f64; 3]]) {
+        for (&node, values) in self.nodes.iter().zip(values.chunks_exact(self.block.max(1))) {
+            column[node as usize][..self.block].copy_from_slice(values);
+        }
+    }
+
+    /// Adds a share of a force to a node; a node without dofs takes none.
+    pub fn add_force(&self, node: u32, share: f64, force: [f64; 3], forces: &mut [f64]) {
+        if let Some(number) = self.number(node) {
+            for a in 0..self.block {
+                forces[number * self.block + a] += share * force[a];
+            }
+        }
+    }
+
     /// The node index and component of a dof.
     pub fn node_of(&self, dof: usize) -> (u32, usize) {
         (self.nodes[dof / self.block], dof % self.block)
@@ -78,5 +123,12 @@ mod tests {
         assert_eq!((dofs.number(3), dofs.number(2), dofs.number(9)), (Some(1), None, None));
         dofs.fixed_mut()[2] = true;
         assert_eq!((dofs.order(), dofs.free(), dofs.node_of(3)), (4, 3, (3, 1)));
+        let column = [[0.0; 3], [1.0, 2.0, 9.0], [5.0; 3], [3.0, 4.0, 9.0]];
+        let values = dofs.collect(Some(&column));
+        assert_eq!((values.as_slice(), dofs.collect(None)), (&[1.0, 2.0, 3.0, 4.0][..], vec![0.0; 4]));
+        assert_eq!(dofs.gather::<2, 3>(&[3, 0, 1], &values), [[3.0, 4.0], [0.0; 2], [1.0, 2.0]]);
+        let mut back = [[7.0; 3]; 4];
+        dofs.scatter(&values, &mut back);
+        assert_eq!(back, [[7.0; 3], [1.0, 2.0, 7.0], [7.0; 3], [3.0, 4.0, 7.0]]);
     }
 }

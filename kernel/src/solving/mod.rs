@@ -7,13 +7,18 @@ pub mod assembly;
 pub mod criteria;
 pub mod dofs;
 pub mod linear;
+pub mod loads;
+pub mod mesh;
 pub mod newton;
 pub mod ordered;
 pub mod scheme;
 pub mod solver;
+pub mod stepping;
 
 pub use assembly::{CellBuffer, System};
 pub use criteria::{Criterion, Tolerances};
 pub use dofs::ActiveDofs;
+pub use mesh::MeshSource;
 pub use newton::{Newton, NonlinearSystem, StepReport};
 pub use scheme::Newmark;
+pub use stepping::Stepping;

@@ -1,8 +1,9 @@
 //! Newton's method on the dofs of active nodes.
 
 use super::criteria::free_norm;
-use super::{ActiveDofs, Criterion, System};
+use super::{ActiveDofs, Criterion, System, Tolerances};
 use crate::error::{Error, Failure};
+use crate::parameters::{Key, Kind, Range, Settings};
 use bia_linalg::{LinearError, LinearSolver};
 use std::time::{Duration, Instant};
 
@@ -27,6 +28,27 @@ pub trait NonlinearSystem {
     /// Id and place of a dof, for messages.
     fn describe_dof(&self, dof: usize) -> (String, [f64; 3]);
 }
+
+/// Keys of the method in `solver_settings`.
+pub const CONVERGENCE: [Key; 7] = [
+    Key::new("analysis_type", Kind::Choice(&["non_linear", "linear"]), "\"non_linear\"", "Newton, or one solve a step"),
+    Key::new(
+        "convergence_criterion",
+        Kind::Choice(&["residual_criterion", "displacement_criterion", "and_criterion", "or_criterion"]),
+        "\"residual_criterion\"",
+        "when Newton stops",
+    ),
+    Key::new("displacement_relative_tolerance", Kind::Number(Range::NOT_NEGATIVE), "1e-4", "relative to the unknowns"),
+    Key::new("displacement_absolute_tolerance", Kind::Number(Range::NOT_NEGATIVE), "1e-9", "per root of the dofs [m]"),
+    Key::new(
+        "residual_relative_tolerance",
+        Kind::Number(Range::NOT_NEGATIVE),
+        "1e-4",
+        "relative to the first residual",
+    ),
+    Key::new("residual_absolute_tolerance", Kind::Number(Range::NOT_NEGATIVE), "1e-9", "per dof [N]"),
+    Key::new("max_iteration", Kind::Integer { min: 1 }, "20", "most Newton iterations a step"),
+];
 
 /// Settings of the method.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,6 +79,23 @@ pub struct StepReport {
 }
 
 impl Newton {
+    /// From settings with the keys [`CONVERGENCE`].
+    pub fn read(settings: &Settings) -> Self {
+        let tolerances = |kind: &str| Tolerances {
+            relative: settings.number(&format!("{kind}_relative_tolerance")),
+            absolute: settings.number(&format!("{kind}_absolute_tolerance")),
+        };
+        let (displacement, residual) = (tolerances("displacement"), tolerances("residual"));
+        let criterion = match settings.text("convergence_criterion") {
+            "displacement_criterion" => Criterion::Displacement(displacement),
+            "and_criterion" => Criterion::And(displacement, residual),
+            "or_criterion" => Criterion::Or(displacement, residual),
+            _ => Criterion::Residual(residual),
+        };
+        let linear = settings.text("analysis_type") == "linear";
+        Self { max_iterations: settings.integer("max_iteration") as usize, criterion: (!linear).then_some(criterion) }
+    }
+
     /// Solves one step from the predicted unknowns.
     ///
     /// # Errors
@@ -153,7 +192,7 @@ fn describe(problem: &dyn NonlinearSystem, error: &LinearError) -> Failure {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::solving::{CellBuffer, Tolerances};
+    use crate::solving::CellBuffer;
     use bia_linalg::{Method, solver};
 
     /// Solves u + u³ = f on each of two dofs, the second of which is fixed.

@@ -53,6 +53,14 @@ impl Newmark {
 }
 
 impl Coefficients {
+    /// Velocities and accelerations at the end of the step from the increments of the unknowns and
+    /// the velocities and accelerations at its start.
+    pub fn motion(&self, increments: &[f64], v0: &[f64], a0: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let old = v0.iter().zip(a0);
+        let both = increments.iter().zip(old);
+        both.map(|(&u, (&v0, &a0))| (self.velocity(u, v0, a0), self.acceleration(u, v0, a0))).unzip()
+    }
+
     /// Of the mid-point rule u = dt (v0 + v)/2 with one acceleration a = (v - v0)/dt for the whole
     /// step; a0 does not matter.
     pub fn midpoint(dt: f64) -> Self {

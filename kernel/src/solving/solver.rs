@@ -1,9 +1,12 @@
 //! The solver of an application, as the analysis drives it.
 
 use super::StepReport;
+use crate::analysis::FAILED_STATE;
 use crate::diagnostic::InputErrors;
 use crate::error::Error;
+use crate::io::dataset::Dataset;
 use crate::io::json::JsonObject;
+use crate::io::vtu::{VtuOptions, write_vtu};
 use crate::model::Model;
 use crate::processes::{Clock, Context, Process, Requirements};
 use crate::registry::Registry;
@@ -102,4 +105,17 @@ pub trait Solver: Send {
     /// # Errors
     /// The folder cannot be written.
     fn save_state(&self, model: &Model, folder: &Path) -> Result<Vec<PathBuf>, Error>;
+}
+
+/// Writes the data set of a failed run for [`Solver::save_state`].
+///
+/// # Errors
+/// The folder cannot be written.
+pub fn write_failed_state(data: &Dataset, folder: &Path) -> Result<Vec<PathBuf>, Error> {
+    let path = folder.join(FAILED_STATE);
+    let written = std::fs::create_dir_all(folder).and_then(|()| write_vtu(&path, data, None, &VtuOptions::default()));
+    match written {
+        Ok(_) => Ok(vec![path]),
+        Err(source) => Err(Error::Write { path, source }),
+    }
 }

@@ -144,33 +144,49 @@ impl<'a, B: CellOf<'a, D, N>, const D: usize, const N: usize> pulp::WithSimd for
             first = points.end;
             let Some(cell) = Cell::<B, D, N>::of(grid.space, index, grid.mapping) else { continue };
             let numbers = numbers::<N>(grid.dofs, grid.space.nodes_of(index));
-            let deforming = vectors_of::<D, N>(&numbers, fields.deforming);
-            let carrying = match std::ptr::eq(fields.carrying, fields.deforming) {
-                true => deforming,
-                false => vectors_of::<D, N>(&numbers, fields.carrying),
-            };
-            let acceleration = vectors_of::<D, N>(&numbers, fields.acceleration);
-            let smooth = vectors_of::<D, N>(&numbers, fields.smooth);
+            let mut nodal = Nodal::<D, N> { deforming: vectors_of(&numbers, fields.deforming), ..Nodal::ZERO };
+            if !std::ptr::eq(fields.carrying, fields.deforming) {
+                nodal.carrying = vectors_of(&numbers, fields.carrying);
+            }
+            nodal.acceleration = vectors_of(&numbers, fields.acceleration);
+            nodal.smooth = vectors_of(&numbers, fields.smooth);
             for rows in groups(simd, points) {
+                // Most cells have one group: what is spread over the lanes ahead of this loop is spilled.
+                let nodal = std::hint::black_box(&nodal);
                 let sample = samples.next();
                 (sample.rows, sample.cell) = (rows, cell.place());
                 let xi = cell.local(&rows.load(simd, chunk.position), || rows.load(simd, chunk.local));
                 let (functions, gradients) = grid.functions(&cell, &xi, !fields.deforming.is_empty());
                 if !fields.deforming.is_empty() {
-                    grid.gradient(&cell, &xi, &functions, &gradients, &deforming, &mut sample.gradient);
+                    grid.gradient(&cell, &xi, &functions, &gradients, &nodal.deforming, &mut sample.gradient);
                 }
                 if !fields.carrying.is_empty() {
-                    interpolate(&functions, &carrying, &mut sample.carrying);
+                    let same = std::ptr::eq(fields.carrying, fields.deforming);
+                    let carrying = if same { &nodal.deforming } else { &nodal.carrying };
+                    interpolate(&functions, carrying, &mut sample.carrying);
                 }
                 if !fields.acceleration.is_empty() {
-                    interpolate(&functions, &acceleration, &mut sample.acceleration);
+                    interpolate(&functions, &nodal.acceleration, &mut sample.acceleration);
                 }
                 if !fields.smooth.is_empty() {
-                    interpolate(&functions, &smooth, &mut sample.smooth);
+                    interpolate(&functions, &nodal.smooth, &mut sample.smooth);
                 }
             }
         }
     }
+}
+
+/// Fields at the nodes of a cell.
+struct Nodal<const D: usize, const N: usize> {
+    deforming: [[f64; D]; N],
+    carrying: [[f64; D]; N],
+    acceleration: [[f64; D]; N],
+    smooth: [[f64; D]; N],
+}
+
+impl<const D: usize, const N: usize> Nodal<D, N> {
+    const ZERO: Self =
+        Self { deforming: [[0.0; D]; N], carrying: [[0.0; D]; N], acceleration: [[0.0; D]; N], smooth: [[0.0; D]; N] };
 }
 
 impl Grid<'_> {

@@ -1,7 +1,7 @@
 //! From the points to the nodes of their cells: mass, momentum, forces.
 
 use super::cells::{Cell, CellOf, Mapping};
-use super::kinematics::inverse;
+use super::kinematics::inverse as invert;
 use super::kratos_faults::KratosFaults;
 use super::patches::Patches;
 use super::rows::{Rows, groups};
@@ -96,18 +96,17 @@ impl NodalSums {
     /// Adds all points, patch by patch and cell by cell in a fixed order.
     pub fn add(&mut self, gather: &Gather, wanted: Wanted) {
         let dimension = gather.dofs.block();
-        let width = 1 + 2 * dimension;
         let compute = |patch: usize, buffer: &mut Vec<f64>| {
             buffer.clear();
-            buffer.resize(width * gather.patches.nodes(patch).len(), 0.0);
+            buffer.resize(RECORD * gather.patches.nodes(patch).len(), 0.0);
             gather.add_patch(patch, wanted, buffer);
             Ok::<(), ()>(())
         };
         let (mass, momentum, force) = (&mut self.mass, &mut self.momentum, &mut self.force);
         let add = |patch: usize, buffer: &Vec<f64>| {
-            for (sums, &number) in buffer.chunks_exact(width).zip(gather.patches.nodes(patch)) {
+            for (sums, &number) in buffer.chunks_exact(RECORD).zip(gather.patches.nodes(patch)) {
                 let number = number as usize;
-                let (with_momentum, with_force) = sums[1..].split_at(dimension);
+                let (with_momentum, with_force) = sums[1..1 + 2 * dimension].split_at(dimension);
                 let add = |to: &mut [f64], from: &[f64]| {
                     let to = &mut to[number * dimension..(number + 1) * dimension];
                     to.iter_mut().zip(from).for_each(|(sum, value)| *sum += value);
@@ -156,11 +155,17 @@ struct Cells<'a, 's, B, const D: usize, const N: usize> {
     basis: PhantomData<B>,
 }
 
-/// Sums over the points of a cell, which are in the lanes.
-struct CellSums<S: Simd, const D: usize, const N: usize> {
-    mass: [Lanes<S>; N],
-    momentum: [[Lanes<S>; D]; N],
-    force: [[Lanes<S>; D]; N],
+/// Numbers that each node of a patch sums: mass, momentum, force, and room to fill up to eight.
+const RECORD: usize = 8;
+
+/// What makes the nodal forces of points in step.
+struct Force<S: Simd, const D: usize> {
+    /// V σ J⁻ᵀ.
+    pull: [[Lanes<S>; D]; D],
+    /// m g.
+    weight: [Lanes<S>; D],
+    /// V σ_θθ/r of axisymmetric scenes, else zero.
+    hoop: Lanes<S>,
 }
 
 /// Functions at points in step.
@@ -186,80 +191,68 @@ impl<'a, B: CellOf<'a, D, N>, const D: usize, const N: usize> pulp::WithSimd for
         let places = self.places;
         for (index, places) in self.cells.clone().zip(places.chunks_exact(N)) {
             let Some(cell) = Cell::<B, D, N>::of(space, active.cells[index] as usize, mapping) else { continue };
-            let zero = Lanes::splat(simd, 0.0);
-            let mut sums = CellSums { mass: [zero; N], momentum: [[zero; D]; N], force: [[zero; D]; N] };
             // Runs of neighbouring points of one block.
             for run in active.points(index).chunk_by(|a, b| a.0 == b.0 && a.1 + 1 == b.1) {
                 let block = &self.gather.blocks[run[0].0 as usize];
                 let first = run[0].1 as usize;
                 for rows in groups(simd, first..first + run.len()) {
-                    self.add_points(simd, &cell, block, rows, &mut sums);
+                    self.add_points(simd, &cell, block, rows, places);
                 }
             }
-            self.add_sums(places, &sums);
         }
     }
 }
 
 impl<'a, B: CellOf<'a, D, N>, const D: usize, const N: usize> Cells<'a, '_, B, D, N> {
-    /// Adds the sums of a cell to the nodes of the patch.
+    /// Adds points to the nodes of their cell, which have these places in the patch.
     #[inline(always)]
-    fn add_sums<S: Simd>(&mut self, places: &[u32], sums: &CellSums<S, D, N>) {
-        let width = 1 + 2 * D;
+    fn add_points<S: Simd>(&mut self, simd: S, cell: &Cell<B, D, N>, block: &Block, rows: Rows, places: &[u32]) {
+        let zero = Lanes::splat(simd, 0.0);
+        let at = self.at_points(simd, cell, block, rows);
+        // Lanes beyond the last point count nothing.
+        let mut counts = Pack([1.0; WIDTH]);
+        counts.0[rows.count..].fill(0.0);
+        let [mass] = rows.load::<S, 1>(simd, block.mass.values());
+        let mass = mass * Lanes::load(simd, &counts);
+        let mut momentum = [zero; D];
+        if self.wanted.momentum() {
+            momentum = self.velocity(simd, block, rows);
+            for a in 0..D {
+                momentum[a] *= mass;
+            }
+        }
+        let mut force = Force { pull: [[zero; D]; D], weight: [zero; D], hoop: zero };
+        if self.wanted.force() {
+            force = self.force(simd, &at, block, rows, mass);
+        }
         for (i, &place) in places.iter().enumerate() {
-            let node = &mut self.sums[place as usize * width..(place as usize + 1) * width];
+            let mut record = [zero; RECORD];
             if self.wanted.momentum() {
-                if self.wanted != Wanted::MovedMomentum {
-                    node[0] += sums.mass[i].sum();
+                let moved = self.wanted == Wanted::MovedMomentum;
+                let function = if moved { at.functions[i] } else { at.all[i] };
+                if !moved {
+                    record[0] = function * mass;
                 }
                 for a in 0..D {
-                    node[1 + a] += sums.momentum[i][a].sum();
+                    record[1 + a] = function * momentum[a];
                 }
             }
             if self.wanted.force() {
                 for a in 0..D {
-                    node[1 + D + a] += sums.force[i][a].sum();
+                    let mut sum = at.all[i] * force.weight[a];
+                    for c in 0..D {
+                        sum -= at.gradients[i][c] * force.pull[a][c];
+                    }
+                    record[1 + D + a] = sum;
                 }
+                record[1 + D] -= at.functions[i] * force.hoop;
             }
-        }
-    }
-
-    #[inline(always)]
-    fn add_points<S: Simd>(
-        &self,
-        simd: S,
-        cell: &Cell<B, D, N>,
-        block: &Block,
-        rows: Rows,
-        sums: &mut CellSums<S, D, N>,
-    ) {
-        let at = self.at_points(simd, cell, block, rows);
-        // Lanes beyond the last point count nothing.
-        let mut counts = Pack([0.0; WIDTH]);
-        counts.0[..rows.count].fill(1.0);
-        let counts = Lanes::load(simd, &counts);
-        let [mass] = rows.load::<S, 1>(simd, block.mass.values());
-        let mass = mass * counts;
-        if self.wanted.momentum() {
-            let mut momentum = self.velocity(simd, block, rows);
-            for a in 0..D {
-                momentum[a] *= mass;
+            let place = place as usize * RECORD;
+            let node = &mut self.sums[place..place + RECORD];
+            let sums = Lanes::sums(&record);
+            for k in 0..RECORD {
+                node[k] += sums[k];
             }
-            let functions = if self.wanted == Wanted::MovedMomentum { &at.functions } else { &at.all };
-            for i in 0..N {
-                for a in 0..D {
-                    sums.momentum[i][a] += functions[i] * momentum[a];
-                }
-            }
-            if self.wanted != Wanted::MovedMomentum {
-                for i in 0..N {
-                    sums.mass[i] += functions[i] * mass;
-                }
-            }
-        }
-        if self.wanted.force() {
-            let [volume] = rows.load::<S, 1>(simd, block.volume.values());
-            self.add_force(simd, &at, block, rows, [mass, volume * counts], sums);
         }
     }
 
@@ -292,60 +285,51 @@ impl<'a, B: CellOf<'a, D, N>, const D: usize, const N: usize> Cells<'a, '_, B, D
         velocity
     }
 
-    /// f = Σ N m g − V σ ∇N, ∇N = J⁻ᵀ ∂N/∂ξ; in the total frame ∇N = F⁻ᵀ ∂N/∂X.
+    /// What makes the nodal force f = Σ N m g − V σ ∇N, ∇N = J⁻ᵀ ∂N/∂ξ; in the total frame
+    /// ∇N = F⁻ᵀ J⁻ᵀ ∂N/∂ξ.
     #[inline(always)]
-    fn add_force<S: Simd>(
+    fn force<S: Simd>(
         &self,
         simd: S,
         at: &AtPoints<S, D, N>,
         block: &Block,
         rows: Rows,
-        [mass, volume]: [Lanes<S>; 2],
-        sums: &mut CellSums<S, D, N>,
-    ) {
-        let components = self.gather.kinematics.voigt();
-        let stress = rows.load_components(simd, block.stress.values(), components);
-        let stress = tensor(&stress);
-        let mut pull = at.inverse;
-        let mut hoop_scale = volume;
+        mass: Lanes<S>,
+    ) -> Force<S, D> {
+        let mut counts = Pack([1.0; WIDTH]);
+        counts.0[rows.count..].fill(0.0);
+        let [volume] = rows.load::<S, 1>(simd, block.volume.values());
+        let volume = volume * Lanes::load(simd, &counts);
+        let kinematics = self.gather.kinematics;
+        let stress = tensor(&rows.load_components(simd, block.stress.values(), kinematics.voigt()));
+        let mut inverse = at.inverse;
+        let mut hoop = volume;
         if self.gather.frame == Frame::Total {
-            let gradient = load_gradient::<S, D>(simd, rows, block.gradient.values(), self.gather.kinematics);
-            let back = inverse(&gradient);
+            let back = invert(&load_gradient::<S, D>(simd, rows, block.gradient.values(), kinematics));
             for c in 0..D {
                 for b in 0..D {
-                    pull[c][b] = at.inverse[c][0] * back[0][b];
+                    inverse[c][b] = at.inverse[c][0] * back[0][b];
                     for k in 1..D {
-                        pull[c][b] += at.inverse[c][k] * back[k][b];
+                        inverse[c][b] += at.inverse[c][k] * back[k][b];
                     }
                 }
             }
-            hoop_scale *= back[2][2];
+            hoop *= back[2][2];
         }
-        let body = self.body(simd, block, rows);
+        let axisymmetric = kinematics == Kinematics::Axisymmetric;
+        hoop = if axisymmetric { hoop * stress[2][2] / at.radius } else { Lanes::splat(simd, 0.0) };
+        let (mut pull, mut weight) = ([[volume; D]; D], self.body(simd, block, rows));
         for a in 0..D {
-            let mut row = [volume; D];
+            weight[a] *= mass;
             for c in 0..D {
-                let mut sum = stress[a][0] * pull[c][0];
+                let mut sum = stress[a][0] * inverse[c][0];
                 for b in 1..D {
-                    sum += stress[a][b] * pull[c][b];
+                    sum += stress[a][b] * inverse[c][b];
                 }
-                row[c] *= sum;
-            }
-            let weight = body[a] * mass;
-            for i in 0..N {
-                let mut inner = at.gradients[i][0] * row[0];
-                for c in 1..D {
-                    inner += at.gradients[i][c] * row[c];
-                }
-                sums.force[i][a] += at.all[i] * weight - inner;
+                pull[a][c] *= sum;
             }
         }
-        if self.gather.kinematics == Kinematics::Axisymmetric {
-            let hoop = hoop_scale * stress[2][2] / at.radius;
-            for i in 0..N {
-                sums.force[i][0] -= at.functions[i] * hoop;
-            }
-        }
+        Force { pull, weight, hoop }
     }
 
     /// Body force per mass.

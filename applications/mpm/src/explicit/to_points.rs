@@ -95,6 +95,7 @@ pub fn apply(points: &mut MaterialPoints, field: &Field, strokes: Strokes) -> Re
         let material = Material { law, density, kinematics, field };
         let work = |samples: &mut Samples, chunk: &mut Chunk| {
             let mut found = OfChunk::default();
+            chunk.warm();
             let samples = samples.take(chunk, &field.grid, &field.fields);
             let worked = match kinematics.dimension() {
                 1 => strike::<1>(chunk, samples, &material, strokes, &mut found),

@@ -171,7 +171,7 @@ fn add(
     for (xi, weight) in points {
         shape.functions(xi, &mut functions);
         let x: [f64; 3] = std::array::from_fn(|i| functions.iter().zip(&corners).map(|(n, c)| n * c[i]).sum());
-        let area = weight * surface_measure(shape, &corners, xi);
+        let area = weight * shape.jacobian_determinant(&corners, xi);
         let twin = (first..made.len()).find(|&i| request.equally_distributed && same_place(made.position[i], x));
         match twin {
             Some(twin) => made.area[twin] += area,
@@ -199,38 +199,11 @@ fn same_place(a: [f64; 3], b: [f64; 3]) -> bool {
     (0..3).all(|i| (a[i] - b[i]).abs() <= 1e-12 * (1.0 + a[i].abs()))
 }
 
-/// Length or area per unit of local measure.
-pub fn surface_measure(shape: Shape, corners: &[[f64; 3]], xi: [f64; 3]) -> f64 {
-    let tangents = tangents(shape, corners, xi);
-    if shape == Shape::Line2 { norm(tangents[0]) } else { norm(cross(tangents[0], tangents[1])) }
-}
-
-/// Derivatives of the position by the local coordinates.
-pub fn tangents(shape: Shape, corners: &[[f64; 3]], xi: [f64; 3]) -> [[f64; 3]; 2] {
-    let mut gradients = vec![[0.0; 3]; corners.len()];
-    shape.gradients(xi, &mut gradients);
-    std::array::from_fn(|k| std::array::from_fn(|i| gradients.iter().zip(corners).map(|(g, c)| g[k] * c[i]).sum()))
-}
-
 /// Unit normal: of a line from node 1 to node 2 the one to its right, of a face by the right hand.
 fn normal(shape: Shape, corners: &[[f64; 3]]) -> [f64; 3] {
-    let [first, second] = tangents(shape, corners, shape.center());
-    let direction = match shape {
-        Shape::Point1 => return [0.0; 3],
-        Shape::Line2 => [first[1], -first[0], 0.0],
-        _ => cross(first, second),
-    };
-    let size = norm(direction);
-    direction.map(|d| d / size)
-}
-
-/// Vector product.
-pub fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-fn norm(a: [f64; 3]) -> f64 {
-    (a[0] * a[0] + a[1] * a[1] + a[2] * a[2]).sqrt()
+    let normal = shape.normal(corners, shape.center());
+    let size = normal.iter().map(|n| n * n).sum::<f64>().sqrt();
+    if shape == Shape::Point1 { normal } else { normal.map(|n| n / size) }
 }
 
 #[cfg(test)]
@@ -251,9 +224,9 @@ mod tests {
     fn normals_and_measures() {
         let line = [[0.0; 3], [2.0, 0.0, 0.0]];
         assert_eq!(normal(Shape::Line2, &line), [0.0, -1.0, 0.0]);
-        assert!((surface_measure(Shape::Line2, &line, [0.3, 0.0, 0.0]) - 1.0).abs() < 1e-15);
+        assert!((Shape::Line2.jacobian_determinant(&line, [0.3, 0.0, 0.0]) - 1.0).abs() < 1e-15);
         let square = [[0.0; 3], [2.0, 0.0, 0.0], [2.0, 2.0, 0.0], [0.0, 2.0, 0.0]];
         assert_eq!(normal(Shape::Quadrilateral4, &square), [0.0, 0.0, 1.0]);
-        assert!((surface_measure(Shape::Quadrilateral4, &square, [0.1, 0.2, 0.0]) - 1.0).abs() < 1e-15);
+        assert!((Shape::Quadrilateral4.jacobian_determinant(&square, [0.1, 0.2, 0.0]) - 1.0).abs() < 1e-15);
     }
 }

@@ -3,14 +3,12 @@
 use super::block::{Block, Columns, MaterialPoints, compress, gradient_width};
 use super::conditions::PointConditions;
 use super::layout::Layout;
-use crate::materials::Material;
 use crate::settings::Placement;
-use bia_constitutive::{Catalogue, Deformation, Kinematics, MaterialPlaces, Options};
+use bia_constitutive::{BodyMaterial, BuiltLaw, Catalogue, Deformation, Kinematics, Options};
 use bia_kernel::diagnostic::{Diagnostic, InputErrors, Place};
 use bia_kernel::geometry::CellLocator;
 use bia_kernel::io::mdpa;
 use bia_kernel::model::{ModelPart, Properties, kratos_order};
-use bia_kernel::parameters::Parameters;
 use bia_kernel::variables::Column;
 use nalgebra::Matrix3;
 use std::f64::consts::TAU;
@@ -23,7 +21,7 @@ pub struct Plan<'a> {
     /// The body mesh.
     pub bodies: &'a ModelPart,
     /// Materials by id.
-    pub materials: &'a [Material],
+    pub materials: &'a [BodyMaterial],
     /// Laws by name.
     pub catalogue: &'a Catalogue,
     /// Search on the grid.
@@ -185,7 +183,7 @@ impl Outside {
 ///
 /// # Errors
 /// It has none.
-pub fn material_of<'a>(plan: &'a Plan, id: u32, element: u32) -> Result<&'a Material, InputErrors> {
+pub fn material_of<'a>(plan: &'a Plan, id: u32, element: u32) -> Result<&'a BodyMaterial, InputErrors> {
     plan.materials.iter().find(|m| m.properties.id == id).ok_or_else(|| {
         let id = plan.bodies.elements.ids[element as usize];
         let names: Vec<String> = plan.bodies.paths();
@@ -204,48 +202,19 @@ fn new_block(plan: &Plan, body: usize, id: u32, element: u32) -> Result<Block, I
     for name in ["DENSITY", "MATERIAL_POINTS_PER_ELEMENT", "THICKNESS", "CROSS_AREA"] {
         let by_law = entry.is_some_and(|entry| entry.variables.iter().any(|variable| variable.name == name));
         let needed = !["THICKNESS", "CROSS_AREA"].contains(&name) || across == Some(name);
-        match properties.number(name) {
-            _ if by_law => {}
-            Some(number) if number > 0.0 => {}
-            Some(number) => {
-                let message = format!("{name} is {number}, must be a number above 0");
-                errors.push(value_of(material, Some(name)).error(message));
-            }
-            None if needed => {
-                errors.push(value_of(material, None).error(format!("the material variable {name} is missing")));
-            }
-            None => {}
+        if !by_law {
+            errors.absorb(material.positive(name, needed));
         }
     }
-    let only_plane_stress = entry.is_some_and(|entry| !entry.kinematics.contains(&Kinematics::PlaneStrain));
-    let kinematics = match (plan.kinematics, entry) {
-        (Kinematics::PlaneStrain, Some(entry))
-            if only_plane_stress && entry.kinematics.contains(&Kinematics::PlaneStress) =>
-        {
-            Kinematics::PlaneStress
-        }
-        (kinematics, _) => kinematics,
-    };
     let options = Options { kratos_exact: plan.kratos_exact, explicit: plan.explicit };
-    let law_name = material.parameters.child("Material").and_then(|m| m.child("constitutive_law")?.child("name"));
-    let values = value_of(material, None);
-    let law = law_name.as_ref().unwrap_or(&material.parameters).place();
-    let places = MaterialPlaces { law, values: values.place() };
-    let built = plan.catalogue.build(properties, kinematics, &options, &places).map_err(|mut faults| {
-        // The law knows the pointer of a value, the document its line.
-        for place in faults.0.iter_mut().map(|fault| &mut fault.place).filter(|place| **place != places.law) {
-            *place = place.pointer.as_deref().map_or_else(Place::default, |p| values.document().place(p));
-        }
-        faults
-    });
-    let law = errors.absorb(built);
+    let law = errors.absorb(material.law(plan.catalogue, plan.kinematics, &options));
     let undeformed = Deformation::from_gradient(Matrix3::identity());
     match law {
-        Some(law) if !errors.any_error() => Ok(Block {
+        Some(BuiltLaw { law, name, kinematics }) if !errors.any_error() => Ok(Block {
             body,
             material: id,
             kinematics,
-            law_name: entry.map_or_else(String::new, |entry| entry.name.to_string()),
+            law_name: name,
             has_energy: !plan.kratos_exact && law.energy(&undeformed).is_some(),
             density: density(properties),
             gravity: [0.0; 3],
@@ -276,13 +245,6 @@ pub fn across(kinematics: Kinematics) -> Option<&'static str> {
         Kinematics::UniaxialStrain => Some("CROSS_AREA"),
         _ => Some("THICKNESS"),
     }
-}
-
-/// The place of a constant of a material; without a name (or if it has another name), of all of them.
-pub fn value_of(material: &Material, name: Option<&str>) -> Parameters {
-    let variables = material.parameters.child("Material").and_then(|m| m.child("Variables"));
-    let variables = variables.unwrap_or_else(|| material.parameters.clone());
-    name.and_then(|name| variables.child(name)).unwrap_or(variables)
 }
 
 fn density(properties: &Properties) -> f64 {

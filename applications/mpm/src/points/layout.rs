@@ -1,6 +1,6 @@
 //! Where the cells of a body hold their points.
 
-use super::generate::{Plan, material_of, value_of};
+use super::generate::{Plan, material_of};
 use crate::settings::Placement;
 use bia_kernel::diagnostic::{Diagnostic, InputErrors};
 use bia_kernel::geometry::{Shape, ShapeTable, allowed_counts, even_choices, even_rule, rule};
@@ -55,7 +55,7 @@ impl Layout {
             Placement::Even => (even_rule(shape, count).ok(), even_choices(shape).to_string()),
         };
         let Some(points) = points.filter(|points| points.len() <= MOST_POINTS) else {
-            let place = value_of(material, Some("MATERIAL_POINTS_PER_ELEMENT"));
+            let place = material.place_of(Some("MATERIAL_POINTS_PER_ELEMENT"));
             let evenly = if plan.placement == Placement::Even { " with \"point_placement\": \"even\"" } else { "" };
             let message =
                 format!("MATERIAL_POINTS_PER_ELEMENT is {wanted}, which a {} does not have{evenly}", shape.name());

@@ -152,7 +152,7 @@ impl PointOutput {
         }
         for (path, name) in paths {
             if let (Some(grid), Some(members)) = (model.part(GRID), model.members(&path)) {
-                let data = mesh_dataset(grid, &members, CellKind::Automatic, false, [&[], &[]]);
+                let data = mesh_dataset(grid, &members, CellKind::Automatic, false, [&[], &[], &[]]);
                 self.files.write_once(&name, clock, &data)?;
             }
         }

@@ -1,156 +1,134 @@
 //! Keys of `solver_settings`, with Kratos's names and defaults where Kratos has them.
 
+use bia_constitutive::MATERIAL_IMPORT;
 use bia_kernel::parameters::{Key, Kind, Range};
+use bia_kernel::solving::mesh::MESH_IMPORT;
+use bia_kernel::solving::newton::CONVERGENCE;
+use bia_kernel::solving::stepping::TIME_STEPPING;
 
-const IMPORT: &[Key] = &[
-    Key::new("input_type", Kind::Choice(&["mdpa", "use_input_model_part"]), "\"mdpa\"", "where the mesh comes from"),
-    Key::new("input_filename", Kind::Text, "\"\"", "mdpa file, with or without .mdpa"),
-];
-const MATERIALS: &[Key] = &[
-    Key::new("materials_filename", Kind::Text, "\"\"", "materials file"),
-    Key::optional("materials", Kind::List, "the entries of the materials file's list \"properties\", here"),
-];
 const SEARCH: &[Key] = &[
     Key::new("search_algorithm_type", Kind::Choice(&["bin_based"]), "\"bin_based\"", "accepted; Bia chooses"),
     Key::new("max_number_of_results", Kind::Integer { min: 1 }, "1000", "accepted"),
     Key::new("searching_tolerance", Kind::Number(Range::NOT_NEGATIVE), "1e-5", "tolerance in local coordinates"),
     Key::new("remove_entities_not_found", Kind::Bool, "true", "erase points that leave the grid"),
 ];
-const STEPPING: &[Key] = &[
-    Key::optional("time_step", Kind::NumberOr(Range::POSITIVE, &["auto"]), "time step [s]; explicit also \"auto\""),
-    Key::optional("time_step_table", Kind::List, "pairs [time, time step] [s]"),
-    Key::new("courant_number", Kind::Number(COURANT), "0.9", "explicit: share of the stable step that \"auto\" takes"),
-    Key::new(
-        "time_step_policy",
-        Kind::Choice(&["warn", "strict"]),
-        "\"warn\"",
-        "explicit: whether a step above the stable one is a warning or stops the run",
-    ),
-];
-
-const COURANT: Range = Range { low: 0.0, high: 1.0, low_open: true, text: "a number above 0 and at most 1" };
-
 /// Keys of `solver_settings`.
-pub const KEYS: &[Key] = &[
-    Key::required("solver_type", Kind::Text, "static, quasi_static or dynamic"),
-    Key::new("model_part_name", Kind::Text, "\"MPM_Material\"", "name of the part of material points"),
-    Key::required("domain_size", Kind::Integer { min: 1 }, "dimension of space: 1, 2 or 3"),
-    Key::new("echo_level", Kind::Integer { min: 0 }, "0", "ignored: --quiet and the log level rule"),
-    Key::new("analysis_type", Kind::Choice(&["non_linear", "linear"]), "\"non_linear\"", "Newton, or one solve a step"),
-    Key::new(
-        "time_integration_method",
-        Kind::Choice(&["implicit", "explicit"]),
-        "\"implicit\"",
-        "dynamic: implicit or explicit",
-    ),
-    Key::optional(
-        "scheme_type",
-        Kind::Choice(&[
-            "newmark",
-            "bossak",
-            "quasi_static",
-            "energy_conserving",
-            "forward_euler",
-            "central_difference",
-        ]),
-        "dynamic: time scheme, by default bossak if implicit and central_difference if explicit; energy_conserving: \
-         mid-point rule with consistent mass in the total Lagrangian frame",
-    ),
-    Key::new(
-        "stress_update",
-        Kind::Choice(&["usf", "usl", "musl"]),
-        "\"usf\"",
-        "forward_euler: update stress first, last, or last with velocities of the moved points",
-    ),
-    Key::new("is_fix_explicit_mp_on_grid_edge", Kind::Bool, "false", "explicit: move points off the edges of cells"),
-    Key::new("is_pqmpm", Kind::Bool, "false", "explicit: partitioned quadrature"),
-    Key::new("is_make_normal_mp_if_pqmpm_fails", Kind::Bool, "false", "of the partitioned quadrature"),
-    Key::new(
-        "pqmpm_subpoint_min_volume_fraction",
-        Kind::Number(Range::FRACTION),
-        "0.0",
-        "of the partitioned quadrature",
-    ),
-    Key::new("damp_factor_m", Kind::Number(Range::NOT_POSITIVE), "-0.3", "Bossak's alpha"),
-    Key::new("newmark_beta", Kind::Number(Range::POSITIVE), "0.25", "Newmark's beta for alpha = 0"),
-    Key::new(
-        "point_velocity_rule",
-        Kind::Choice(&["trapezoidal", "scheme"]),
-        "\"trapezoidal\"",
-        "weight of the new acceleration in a point's velocity: 1/2 as in Kratos, or the scheme's gamma",
-    ),
-    Key::required("time_stepping", Kind::Object(STEPPING), "the time step [s]"),
-    Key::new(
-        "convergence_criterion",
-        Kind::Choice(&["residual_criterion", "displacement_criterion", "and_criterion", "or_criterion"]),
-        "\"residual_criterion\"",
-        "when Newton stops",
-    ),
-    Key::new("displacement_relative_tolerance", Kind::Number(Range::NOT_NEGATIVE), "1e-4", "relative to the unknowns"),
-    Key::new("displacement_absolute_tolerance", Kind::Number(Range::NOT_NEGATIVE), "1e-9", "per root of the dofs [m]"),
-    Key::new(
-        "residual_relative_tolerance",
-        Kind::Number(Range::NOT_NEGATIVE),
-        "1e-4",
-        "relative to the first residual",
-    ),
-    Key::new("residual_absolute_tolerance", Kind::Number(Range::NOT_NEGATIVE), "1e-9", "per dof [N]"),
-    Key::new("max_iteration", Kind::Integer { min: 1 }, "20", "most Newton iterations a step"),
-    Key::new("compute_reactions", Kind::Bool, "false", "compute REACTION on fixed nodes"),
-    Key::new("pressure_dofs", Kind::Bool, "false", "mixed displacement-pressure formulation"),
-    Key::new("stabilization", Kind::Choice(&["ppp", "none", "asgs", "osgs"]), "\"ppp\"", "of the mixed formulation"),
-    Key::new("compressible", Kind::Bool, "true", "explicit: the volume follows the deformation"),
-    Key::new("axis_symmetric_flag", Kind::Bool, "false", "axisymmetric about the y axis, x is the radius"),
-    Key::new(
-        "frame",
-        Kind::Choice(&["updated_lagrangian", "total_lagrangian"]),
-        "\"updated_lagrangian\"",
-        "where the grid's functions are evaluated: at the present place of a point, or for ever at its first",
-    ),
-    Key::new(
-        "basis",
-        Kind::Choice(&["mesh", "lagrange", "b_spline"]),
-        "\"mesh\"",
-        "functions of the grid: of the mesh's cells, or of higher order on a regular grid",
-    ),
-    Key::new("basis_order", Kind::Integer { min: 1 }, "2", "degree of lagrange and b_spline"),
-    Key::new(
-        "transfer",
-        Kind::Choice(&["flip", "pic", "apic", "tpic", "xpic"]),
-        "\"flip\"",
-        "explicit: how velocity returns to the points",
-    ),
-    Key::new(
-        "flip_fraction",
-        Kind::Number(Range::FRACTION),
-        "1.0",
-        "dynamic: share of FLIP in the velocity of the points, the rest is PIC",
-    ),
-    Key::new("xpic_order", Kind::Integer { min: 1 }, "5", "xpic: number of projections"),
-    Key::new(
-        "position_update",
-        Kind::Choice(&["grid", "point"]),
-        "\"grid\"",
-        "explicit: points move with the velocity of the grid, or with their own as in Nuttall 2025",
-    ),
-    Key::new(
-        "point_placement",
-        Kind::Choice(&["gauss", "even"]),
-        "\"gauss\"",
-        "points at integration points of the body's cells, or evenly spaced with equal shares",
-    ),
-    Key::new("consistent_mass_matrix", Kind::Bool, "false", "consistent instead of lumped mass"),
-    Key::new("block_builder", Kind::Bool, "true", "accepted; both give the same result"),
-    Key::new("move_mesh_flag", Kind::Bool, "false", "accepted; the grid never moves"),
-    Key::new("problem_domain_sub_model_part_list", Kind::List, "[]", "accepted"),
-    Key::new("processes_sub_model_part_list", Kind::List, "[]", "accepted"),
-    Key::new("auxiliary_variables_list", Kind::Texts, "[]", "accepted; columns are allocated on demand"),
-    Key::new("auxiliary_dofs_list", Kind::Texts, "[]", "accepted"),
-    Key::new("auxiliary_reaction_list", Kind::Texts, "[]", "accepted"),
-    Key::optional("linear_solver_settings", Kind::Any, "the linear solver"),
-    Key::new("element_search_settings", Kind::Object(SEARCH), "{}", "the search"),
-    Key::new("model_import_settings", Kind::Object(IMPORT), "{}", "mesh of the bodies")
-        .or(&["initial_model_import_settings"]),
-    Key::new("grid_model_import_settings", Kind::Object(IMPORT), "{}", "mesh of the background grid"),
-    Key::new("material_import_settings", Kind::Object(MATERIALS), "{}", "materials"),
-];
+pub const KEYS: &[Key] = &Key::join::<7, 41, 48>(
+    CONVERGENCE,
+    [
+        Key::required("solver_type", Kind::Text, "static, quasi_static or dynamic"),
+        Key::new("model_part_name", Kind::Text, "\"MPM_Material\"", "name of the part of material points"),
+        Key::required("domain_size", Kind::Integer { min: 1 }, "dimension of space: 1, 2 or 3"),
+        Key::new("echo_level", Kind::Integer { min: 0 }, "0", "ignored: --quiet and the log level rule"),
+        Key::new(
+            "time_integration_method",
+            Kind::Choice(&["implicit", "explicit"]),
+            "\"implicit\"",
+            "dynamic: implicit or explicit",
+        ),
+        Key::optional(
+            "scheme_type",
+            Kind::Choice(&[
+                "newmark",
+                "bossak",
+                "quasi_static",
+                "energy_conserving",
+                "forward_euler",
+                "central_difference",
+            ]),
+            "dynamic: time scheme, by default bossak if implicit and central_difference if explicit; \
+             energy_conserving: mid-point rule with consistent mass in the total Lagrangian frame",
+        ),
+        Key::new(
+            "stress_update",
+            Kind::Choice(&["usf", "usl", "musl"]),
+            "\"usf\"",
+            "forward_euler: update stress first, last, or last with velocities of the moved points",
+        ),
+        Key::new(
+            "is_fix_explicit_mp_on_grid_edge",
+            Kind::Bool,
+            "false",
+            "explicit: move points off the edges of cells",
+        ),
+        Key::new("is_pqmpm", Kind::Bool, "false", "explicit: partitioned quadrature"),
+        Key::new("is_make_normal_mp_if_pqmpm_fails", Kind::Bool, "false", "of the partitioned quadrature"),
+        Key::new(
+            "pqmpm_subpoint_min_volume_fraction",
+            Kind::Number(Range::FRACTION),
+            "0.0",
+            "of the partitioned quadrature",
+        ),
+        Key::new("damp_factor_m", Kind::Number(Range::NOT_POSITIVE), "-0.3", "Bossak's alpha"),
+        Key::new("newmark_beta", Kind::Number(Range::POSITIVE), "0.25", "Newmark's beta for alpha = 0"),
+        Key::new(
+            "point_velocity_rule",
+            Kind::Choice(&["trapezoidal", "scheme"]),
+            "\"trapezoidal\"",
+            "weight of the new acceleration in a point's velocity: 1/2 as in Kratos, or the scheme's gamma",
+        ),
+        Key::required("time_stepping", Kind::Object(TIME_STEPPING), "the time step [s]"),
+        Key::new("compute_reactions", Kind::Bool, "false", "compute REACTION on fixed nodes"),
+        Key::new("pressure_dofs", Kind::Bool, "false", "mixed displacement-pressure formulation"),
+        Key::new(
+            "stabilization",
+            Kind::Choice(&["ppp", "none", "asgs", "osgs"]),
+            "\"ppp\"",
+            "of the mixed formulation",
+        ),
+        Key::new("compressible", Kind::Bool, "true", "explicit: the volume follows the deformation"),
+        Key::new("axis_symmetric_flag", Kind::Bool, "false", "axisymmetric about the y axis, x is the radius"),
+        Key::new(
+            "frame",
+            Kind::Choice(&["updated_lagrangian", "total_lagrangian"]),
+            "\"updated_lagrangian\"",
+            "where the grid's functions are evaluated: at the present place of a point, or for ever at its first",
+        ),
+        Key::new(
+            "basis",
+            Kind::Choice(&["mesh", "lagrange", "b_spline"]),
+            "\"mesh\"",
+            "functions of the grid: of the mesh's cells, or of higher order on a regular grid",
+        ),
+        Key::new("basis_order", Kind::Integer { min: 1 }, "2", "degree of lagrange and b_spline"),
+        Key::new(
+            "transfer",
+            Kind::Choice(&["flip", "pic", "apic", "tpic", "xpic"]),
+            "\"flip\"",
+            "explicit: how velocity returns to the points",
+        ),
+        Key::new(
+            "flip_fraction",
+            Kind::Number(Range::FRACTION),
+            "1.0",
+            "dynamic: share of FLIP in the velocity of the points, the rest is PIC",
+        ),
+        Key::new("xpic_order", Kind::Integer { min: 1 }, "5", "xpic: number of projections"),
+        Key::new(
+            "position_update",
+            Kind::Choice(&["grid", "point"]),
+            "\"grid\"",
+            "explicit: points move with the velocity of the grid, or with their own as in Nuttall 2025",
+        ),
+        Key::new(
+            "point_placement",
+            Kind::Choice(&["gauss", "even"]),
+            "\"gauss\"",
+            "points at integration points of the body's cells, or evenly spaced with equal shares",
+        ),
+        Key::new("consistent_mass_matrix", Kind::Bool, "false", "consistent instead of lumped mass"),
+        Key::new("block_builder", Kind::Bool, "true", "accepted; both give the same result"),
+        Key::new("move_mesh_flag", Kind::Bool, "false", "accepted; the grid never moves"),
+        Key::new("problem_domain_sub_model_part_list", Kind::List, "[]", "accepted"),
+        Key::new("processes_sub_model_part_list", Kind::List, "[]", "accepted"),
+        Key::new("auxiliary_variables_list", Kind::Texts, "[]", "accepted; columns are allocated on demand"),
+        Key::new("auxiliary_dofs_list", Kind::Texts, "[]", "accepted"),
+        Key::new("auxiliary_reaction_list", Kind::Texts, "[]", "accepted"),
+        Key::optional("linear_solver_settings", Kind::Any, "the linear solver"),
+        Key::new("element_search_settings", Kind::Object(SEARCH), "{}", "the search"),
+        Key::new("model_import_settings", Kind::Object(MESH_IMPORT), "{}", "mesh of the bodies")
+            .or(&["initial_model_import_settings"]),
+        Key::new("grid_model_import_settings", Kind::Object(MESH_IMPORT), "{}", "mesh of the background grid"),
+        Key::new("material_import_settings", Kind::Object(MATERIAL_IMPORT), "{}", "materials"),
+    ],
+);

@@ -3,19 +3,17 @@
 mod discretisation;
 mod keys;
 
+pub use bia_kernel::solving::Stepping;
 pub use discretisation::{Basis, Discretisation, Frame, Placement, Transfer};
 pub use keys::KEYS;
 
-use bia_constitutive::Kinematics;
+use bia_constitutive::{Kinematics, MaterialSource};
 use bia_kernel::diagnostic::InputErrors;
-use bia_kernel::error::{Error, Failure};
 use bia_kernel::linalg::Method;
-use bia_kernel::model::Table;
 use bia_kernel::parameters::{Parameters, Settings};
-use bia_kernel::processes::Clock;
 use bia_kernel::solving::linear::{self, Nature};
-use bia_kernel::solving::{Criterion, Newmark, Newton, Tolerances};
-use std::path::{Path, PathBuf};
+use bia_kernel::solving::{Criterion, MeshSource, Newmark, Newton};
+use std::path::Path;
 
 /// What kind of equilibrium is sought.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -26,64 +24,6 @@ pub enum Regime {
     QuasiStatic,
     /// With inertia.
     Dynamic,
-}
-
-/// Where a mesh comes from.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum MeshSource {
-    /// An mdpa file.
-    File(PathBuf),
-    /// A modeler has made the part.
-    Modeler,
-}
-
-/// Where the materials come from.
-#[derive(Debug, Clone)]
-pub enum MaterialSource {
-    /// A materials file.
-    File(PathBuf),
-    /// A list in the project.
-    Project(Parameters),
-}
-
-impl MeshSource {
-    /// The file, if it is one.
-    pub fn file(&self) -> Option<&Path> {
-        match self {
-            MeshSource::File(file) => Some(file),
-            MeshSource::Modeler => None,
-        }
-    }
-}
-
-/// The step as a number or as a function of time.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Stepping {
-    /// Always this step in seconds.
-    Constant(f64),
-    /// Interpolated at the time at which the step begins.
-    Table(Table),
-    /// This share of the stable step of an explicit scheme.
-    Courant(f64),
-}
-
-impl Stepping {
-    /// The step that begins now, given the stable one (infinite if there is none), in seconds.
-    ///
-    /// # Errors
-    /// It does not advance the time.
-    pub fn step(&self, clock: &Clock, stable: f64) -> Result<f64, Error> {
-        let step = match self {
-            Stepping::Constant(step) => *step,
-            Stepping::Table(table) => table.value(clock.time),
-            Stepping::Courant(share) => share * stable,
-        };
-        if step > 0.0 && clock.time + step > clock.time {
-            return Ok(step);
-        }
-        let what = format!("the time step {step:?} does not advance the time {:?}", clock.time);
-        Err(Failure::new(what, "a positive time step, also beyond the ends of the table").into())
-    }
 }
 
 /// When the stress follows the grid's velocity, and which velocity that is.
@@ -194,10 +134,10 @@ impl SolverSettings {
         if !is_explicit {
             check_implicit(&s, regime, &mut errors);
         }
-        let stepping = errors.absorb(stepping(&s, is_explicit));
-        let grid = errors.absorb(mesh(&s, "grid_model_import_settings", folder));
-        let bodies = errors.absorb(mesh(&s, "model_import_settings", folder));
-        let materials = errors.absorb(materials(&s, folder));
+        let stepping = errors.absorb(Stepping::read(&s, is_explicit));
+        let grid = errors.absorb(MeshSource::read(&s, "grid_model_import_settings", folder));
+        let bodies = errors.absorb(MeshSource::read(&s, "model_import_settings", folder));
+        let materials = errors.absorb(MaterialSource::read(&s, folder));
         let parts = (stepping, grid, bodies, materials);
         let (Some(stepping), Some(grid), Some(bodies), Some(materials)) = parts else {
             return Err(errors);
@@ -346,93 +286,17 @@ fn explicit(s: &Settings) -> ExplicitSettings {
     }
 }
 
+/// Newton's method; energy is kept as well as the equations are solved, so that a scheme that conserves
+/// it has tight tolerances unless others are given.
 fn newton(s: &Settings) -> Newton {
-    // Energy is kept as well as the equations are solved.
-    let number = |key: String, tight: f64| if conserves_energy(s) && !s.given(&key) { tight } else { s.number(&key) };
-    let tolerances = |kind: &str| Tolerances {
-        relative: number(format!("{kind}_relative_tolerance"), 1e-11),
-        absolute: number(format!("{kind}_absolute_tolerance"), 0.0),
-    };
-    let (displacement, residual) = (tolerances("displacement"), tolerances("residual"));
-    let criterion = match s.text("convergence_criterion") {
-        "displacement_criterion" => Criterion::Displacement(displacement),
-        "and_criterion" => Criterion::And(displacement, residual),
-        "or_criterion" => Criterion::Or(displacement, residual),
-        _ => Criterion::Residual(residual),
-    };
-    let linear = s.text("analysis_type") == "linear";
-    Newton { max_iterations: s.integer("max_iteration") as usize, criterion: (!linear).then_some(criterion) }
-}
-
-fn stepping(s: &Settings, is_explicit: bool) -> Result<Stepping, InputErrors> {
-    let Some(nested) = s.nested("time_stepping") else {
-        return Err(s.error("time_stepping", "must be an object").into());
-    };
-    if nested.given("time_step") && nested.given("time_step_table") {
-        let message = "names both \"time_step\" and \"time_step_table\"";
-        return Err(s.error("time_stepping", message).help("keep one of them").into());
-    }
-    if let Some(given) = nested.get("time_step") {
-        return match given.value().as_f64() {
-            Some(step) => Ok(Stepping::Constant(step)),
-            None if is_explicit => Ok(Stepping::Courant(nested.number("courant_number"))),
-            None => Err(given.error("\"auto\" is for explicit runs").help("name a time step in seconds").into()),
-        };
-    }
-    let Some(list) = nested.get("time_step_table") else {
-        let message = "names neither \"time_step\" nor \"time_step_table\"";
-        return Err(s.error("time_stepping", message).into());
-    };
-    let mut pairs = Vec::new();
-    for entry in list.entries() {
-        match entry.value().as_array().map(Vec::as_slice) {
-            Some([t, dt]) if t.is_number() && dt.as_f64().is_some_and(|dt| dt > 0.0) => {
-                pairs.push((t.as_f64().unwrap_or(0.0), dt.as_f64().unwrap_or(0.0)));
-            }
-            _ => return Err(entry.error("must be a pair [time, time step] with a time step above 0").into()),
+    let mut newton = Newton::read(s);
+    if let (true, Some(Criterion::Residual(tolerances))) = (conserves_energy(s), &mut newton.criterion) {
+        if !s.given("residual_relative_tolerance") {
+            tolerances.relative = 1e-11;
+        }
+        if !s.given("residual_absolute_tolerance") {
+            tolerances.absolute = 0.0;
         }
     }
-    Table::new(pairs).map(Stepping::Table).map_err(|message| list.error(message).into())
-}
-
-fn mesh(s: &Settings, key: &str, folder: &Path) -> Result<MeshSource, InputErrors> {
-    let Some(nested) = s.nested(key) else {
-        return Ok(MeshSource::Modeler);
-    };
-    if nested.text("input_type") == "use_input_model_part" {
-        return Ok(MeshSource::Modeler);
-    }
-    let name = nested.text("input_filename");
-    if name.is_empty() {
-        let message = "the key \"input_filename\" is missing";
-        return Err(nested
-            .parameters()
-            .error(message)
-            .help("name an mdpa file, or set input_type to \"use_input_model_part\" and let a modeler make the mesh")
-            .into());
-    }
-    let mut file = folder.join(name);
-    if file.extension().is_none_or(|extension| extension != "mdpa") {
-        file.as_mut_os_string().push(".mdpa");
-    }
-    Ok(MeshSource::File(file))
-}
-
-fn materials(s: &Settings, folder: &Path) -> Result<MaterialSource, InputErrors> {
-    let Some(nested) = s.nested("material_import_settings") else {
-        return Err(s.error("material_import_settings", "must be an object").into());
-    };
-    match (nested.text("materials_filename"), nested.get("materials")) {
-        ("", Some(list)) => Ok(MaterialSource::Project(list.clone())),
-        ("", None) => {
-            let message = "\"materials_filename\" is missing";
-            let help = "name the materials file, or write its list here as \"materials\"";
-            Err(s.error("material_import_settings", message).help(help).into())
-        }
-        (name, None) => Ok(MaterialSource::File(folder.join(name))),
-        (_, Some(list)) => {
-            let message = "the materials stand here and in \"materials_filename\"";
-            Err(list.error(message).help("keep one of the two").into())
-        }
-    }
+    newton
 }

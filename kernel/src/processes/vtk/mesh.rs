@@ -38,7 +38,7 @@ pub fn direct_parts(model: &Model, path: &str) -> Vec<String> {
     children.map_or(Vec::new(), |children| children.iter().map(|child| child.name.clone()).collect())
 }
 
-/// The nodes and cells of a part, with `[nodal, conditional]` quantities and, with `ids`, the ids of
+/// The nodes and cells of a part, with `[nodal, elemental, conditional]` quantities and, with `ids`, the ids of
 /// nodes, cells and properties under the names that Kratos gives them.
 ///
 /// Nodes of shown cells that the part does not list are added.
@@ -47,7 +47,7 @@ pub fn mesh_dataset(
     members: &Members,
     kind: CellKind,
     ids: bool,
-    [nodal, conditional]: [&[Quantity]; 2],
+    [nodal, elemental, conditional]: [&[Quantity]; 3],
 ) -> Dataset {
     let conditions = match kind {
         CellKind::Automatic => members.elements.is_empty(),
@@ -63,9 +63,10 @@ pub fn mesh_dataset(
     let mut data = Dataset::vertices(nodes.iter().map(|&n| part.nodes.coordinates[n as usize]).collect());
     data.cells = mesh(cells, chosen, &nodes, part.nodes.len());
     data.point_fields = fields(nodal, &part.node_fields, &nodes);
-    if conditions {
-        data.cell_fields = fields(conditional, &part.condition_fields, chosen);
-    }
+    data.cell_fields = match conditions {
+        true => fields(conditional, &part.condition_fields, chosen),
+        false => fields(elemental, &part.element_fields, chosen),
+    };
     if ids {
         data.point_fields.push(numbers("KRATOS_NODE_ID", &part.nodes.ids, &nodes));
         data.cell_fields.push(numbers("PROPERTIES_ID", &cells.properties, chosen));
@@ -152,7 +153,7 @@ mod tests {
         let part = model.part("Grid").unwrap();
         let quantities = [speed("SPEED", None), speed("SPEED_Y", Some(1))];
         let members = model.members("Grid.Half").unwrap();
-        let data = mesh_dataset(part, &members, CellKind::Automatic, true, [&quantities, &[]]);
+        let data = mesh_dataset(part, &members, CellKind::Automatic, true, [&quantities, &[], &[]]);
         assert_eq!(data.points, [[0.0; 3], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]]);
         assert_eq!(data.cells, CellsOf::Mesh { starts: vec![0, 3], nodes: vec![0, 1, 2], types: vec![5] });
         let zeros = [0.0; 3];
@@ -174,7 +175,7 @@ mod tests {
             ("Grid", CellKind::Automatic, vec![5, 5]),
             ("Grid.Edge", CellKind::Elements, vec![]),
         ] {
-            let data = mesh_dataset(part, &model.members(path).unwrap(), kind, false, [&[], &[]]);
+            let data = mesh_dataset(part, &model.members(path).unwrap(), kind, false, [&[], &[], &[]]);
             assert!(matches!(&data.cells, CellsOf::Mesh { types: found, .. } if *found == types), "{path} {kind:?}");
             assert_eq!(data.check(), Ok(()));
         }

@@ -25,7 +25,7 @@ const KEYS: &[Key] = &Key::join::<14, 10, 24>(
         Key::new("nodal_solution_step_data_variables", Kind::Texts, "[]", "variables of nodes"),
         Key::new("nodal_data_value_variables", Kind::Texts, "[]", "variables of nodes too"),
         Key::new("nodal_flags", Kind::List, "[]", "must be empty: nodes have no flags"),
-        Key::new("element_data_value_variables", Kind::List, "[]", "must be empty: grid elements carry no values"),
+        Key::new("element_data_value_variables", Kind::Texts, "[]", "variables of elements"),
         Key::new(
             "condition_data_value_variables",
             Kind::Texts,
@@ -33,18 +33,18 @@ const KEYS: &[Key] = &Key::join::<14, 10, 24>(
             "variables of conditions, with entity_type condition",
         ),
         Key::new("gauss_point_variables_extrapolated_to_nodes", Kind::List, "[]", "must be empty"),
-        Key::new("gauss_point_variables_in_elements", Kind::List, "[]", "must be empty: grid elements carry no values"),
+        Key::new(
+            "gauss_point_variables_in_elements",
+            Kind::Texts,
+            "[]",
+            "variables of elements: means over their points",
+        ),
         Key::new("write_deformed_configuration", Kind::Bool, "false", "accepted: the nodes do not move"),
     ],
 );
 
 /// Lists that name what does not exist here.
-const EMPTY: &[&str] = &[
-    "nodal_flags",
-    "element_data_value_variables",
-    "gauss_point_variables_extrapolated_to_nodes",
-    "gauss_point_variables_in_elements",
-];
+const EMPTY: &[&str] = &["nodal_flags", "gauss_point_variables_extrapolated_to_nodes"];
 
 /// Registers the process of this file.
 pub fn register(registry: &mut Registry) {
@@ -63,6 +63,8 @@ pub fn register(registry: &mut Registry) {
                 |key| errors.absorb(Quantity::read_list(&settings, key, building.registry)).unwrap_or_default();
             let mut nodal = read("nodal_solution_step_data_variables");
             let conditional = read("condition_data_value_variables");
+            let mut elemental = read("element_data_value_variables");
+            elemental.extend(read("gauss_point_variables_in_elements"));
             // Kratos keeps two values of a variable on a node; here there is one, shown once.
             for quantity in read("nodal_data_value_variables") {
                 if !nodal.iter().any(|other| other.name == quantity.name) {
@@ -71,9 +73,15 @@ pub fn register(registry: &mut Registry) {
             }
             let control = OutputControl::read(&settings);
             match files {
-                Some(files) => {
-                    errors.or(Box::new(MeshOutput { settings, files, control, nodal, conditional, parts: Vec::new() }))
-                }
+                Some(files) => errors.or(Box::new(MeshOutput {
+                    settings,
+                    files,
+                    control,
+                    nodal,
+                    elemental,
+                    conditional,
+                    parts: Vec::new(),
+                })),
                 None => Err(errors),
             }
         },
@@ -88,7 +96,7 @@ pub fn refuse_lists(settings: &Settings, keys: &[&str]) -> Result<(), InputError
     let mut errors = InputErrors::default();
     for key in keys {
         if settings.get(key).is_some_and(|list| !list.entries().is_empty()) {
-            let help = "flags and values on grid elements do not exist in Bia: leave the list empty";
+            let help = "flags and values extrapolated to nodes do not exist in Bia: leave the list empty";
             errors.push(settings.error(key, "nothing here provides what the list names").help(help));
         }
     }
@@ -100,6 +108,7 @@ struct MeshOutput {
     files: VtkFiles,
     control: OutputControl,
     nodal: Vec<Quantity>,
+    elemental: Vec<Quantity>,
     conditional: Vec<Quantity>,
     /// File name and members of each part to be written.
     parts: Vec<(String, Members)>,
@@ -135,6 +144,7 @@ impl Process for MeshOutput {
 
     fn require(&self, requirements: &mut Requirements) {
         Quantity::require(&self.nodal, Location::Nodes, requirements);
+        Quantity::require(&self.elemental, Location::Elements, requirements);
     }
 
     fn execute_initialize(&mut self, _: &mut Context) -> Result<(), Error> {
@@ -150,7 +160,7 @@ impl Process for MeshOutput {
         let ids = self.settings.flag("write_ids");
         for (name, members) in &self.parts {
             let Some(part) = context.model.part(&members.root) else { continue };
-            let data = mesh_dataset(part, members, kind, ids, [&self.nodal, &self.conditional]);
+            let data = mesh_dataset(part, members, kind, ids, [&self.nodal, &self.elemental, &self.conditional]);
             self.files.write(name, context.clock, &data, true)?;
         }
         self.control.printed(context.clock);
