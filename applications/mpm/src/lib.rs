@@ -12,6 +12,7 @@ mod loads;
 mod names;
 pub mod points;
 mod processes;
+mod projection;
 mod record;
 mod scene;
 mod settings;

@@ -99,7 +99,8 @@ impl Requirements {
     pub fn choose(&self, location: Location, known: &[Variable], errors: &mut InputErrors) -> Vec<Variable> {
         let mut chosen: Vec<Variable> = Vec::new();
         let provided = |name: &str| location == Location::Nodes && self.provided.contains(&name);
-        for wanted in self.variables.iter().filter(|wanted| wanted.location == location && !provided(&wanted.variable)) {
+        for wanted in self.variables.iter().filter(|wanted| wanted.location == location && !provided(&wanted.variable))
+        {
             match known.iter().find(|variable| variable.name == wanted.variable) {
                 Some(variable) if chosen.iter().any(|other| other.name == variable.name) => {}
                 Some(variable) => chosen.push(*variable),

@@ -35,6 +35,8 @@ pub struct Chunk<'a> {
     pub strain: &'a mut [f64],
     /// Volume.
     pub volume: &'a mut [f64],
+    /// What the transfer keeps.
+    pub transfer: &'a mut [f64],
 }
 
 impl Chunk<'_> {
@@ -85,6 +87,7 @@ pub fn open(block: &mut Block) -> Opened<'_> {
     let mut stress = Parts::of(&mut block.stress);
     let mut strain = Parts::of(&mut block.strain);
     let mut volume = Parts::of(&mut block.volume);
+    let mut transfer = Parts::of(&mut block.transfer);
     let (local, dimension) = (block.local.values(), block.local.width());
     let mass = block.mass.values();
     let chunk = |first: usize| {
@@ -103,6 +106,7 @@ pub fn open(block: &mut Block) -> Opened<'_> {
             stress: stress.take(points),
             strain: strain.take(points),
             volume: volume.take(points),
+            transfer: transfer.take(points),
         }
     };
     let chunks = (0..count).step_by(POINTS).map(chunk).collect();

@@ -12,12 +12,14 @@ mod cells;
 mod chunk;
 mod kinematics;
 mod kratos_faults;
+mod limits;
 mod nodes;
 mod patches;
 mod rows;
 mod sample;
 mod search;
 mod stability;
+mod steps;
 mod strain;
 mod to_grid;
 mod to_points;
@@ -25,29 +27,27 @@ mod to_points;
 use crate::active::ActiveCells;
 use crate::grid::GRID;
 use crate::points::{Columns, MaterialPoints};
+use crate::projection::ConsistentMass;
 use crate::scene::{Scene, move_conditions, points_of, with_points};
-use crate::settings::{ExplicitSettings, Frame, Scheme, SolverSettings, Stepping, Transfer};
+use crate::settings::{Basis, Discretisation, ExplicitSettings, Frame, Scheme, SolverSettings, Stepping, Transfer};
 use crate::variables::{ACCELERATION, DISPLACEMENT, NODAL_MASS, REACTION, VELOCITY};
-use bia_constitutive::Kinematics;
 use bia_kernel::diagnostic::InputErrors;
-use bia_kernel::error::{Error, Failure};
+use bia_kernel::error::Error;
 use bia_kernel::io::json::JsonObject;
 use bia_kernel::model::{Model, ModelPart};
 use bia_kernel::processes::{Clock, Context, Location, Process, Requirements, ResetNodes, RunOptions};
 use bia_kernel::registry::Registry;
-use bia_kernel::solving::StepReport;
 use bia_kernel::solving::solver::{Inventory, Solver};
+use bia_kernel::solving::{StepReport, System};
 use bia_kernel::variables::Variable;
 use cells::Mapping;
 use kratos_faults::KratosFaults;
+use limits::Limits;
 use nodes::Nodes;
 use patches::Patches;
-use sample::{Fields, Grid};
 use search::Search;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
-use to_grid::{Gather, Wanted};
-use to_points::{Cause, Field, Strokes, Trouble};
 
 const SEARCH: usize = 0;
 const TO_GRID: usize = 1;
@@ -63,6 +63,8 @@ pub struct Explicit {
     active: ActiveCells,
     patches: Patches,
     nodes: Nodes,
+    /// The consistent mass, where it is wanted.
+    system: Option<System>,
     limits: Limits,
     /// Nodal variables that someone reads.
     shown: Vec<&'static str>,
@@ -71,36 +73,13 @@ pub struct Explicit {
     arch: pulp::Arch,
 }
 
-/// What bounds the time step.
-#[derive(Default)]
-struct Limits {
-    /// Smallest height of each cell in metres.
-    sizes: Vec<f64>,
-    /// The smallest among active cells.
-    smallest: f64,
-    /// Fastest wave in m/s.
-    wave: f64,
-    /// Fastest point in m/s.
-    point: f64,
-}
-
-impl Limits {
-    /// h/(c + v); infinite while nothing moves and no wave runs, or before the run.
-    fn stable_step(&self) -> f64 {
-        let speed = self.wave + self.point;
-        if self.sizes.is_empty() || speed <= 0.0 { f64::INFINITY } else { self.smallest / speed }
-    }
-
-    fn describe(&self) -> String {
-        let Self { smallest, wave, point, .. } = self;
-        format!("cells of {smallest:.4e} m, waves of {wave:.4e} m/s, points of {point:.4e} m/s")
-    }
-}
-
 impl Explicit {
     /// The solver of these settings.
     pub fn new(settings: SolverSettings, explicit: ExplicitSettings, options: RunOptions) -> Self {
-        let faults = KratosFaults(options.kratos_exact);
+        let Discretisation { frame, basis, .. } = settings.discretisation;
+        // Kratos knows neither the total frame nor other functions.
+        let faults = KratosFaults(options.kratos_exact && frame == Frame::Updated && basis == Basis::Mesh);
+        let courant = limits::courant_limit(explicit.scheme, basis, explicit.consistent_mass);
         Self {
             scene: Scene::new(settings, options),
             settings: explicit,
@@ -110,7 +89,8 @@ impl Explicit {
             active: ActiveCells::default(),
             patches: Patches::default(),
             nodes: Nodes::default(),
-            limits: Limits::default(),
+            system: None,
+            limits: Limits { courant, ..Limits::default() },
             shown: Vec::new(),
             stages: ["search", "points to grid", "grid to points"].map(|name| (name, Duration::ZERO)),
             told_step: false,
@@ -142,6 +122,10 @@ impl Explicit {
     fn renumber(&mut self, points: &MaterialPoints) {
         self.nodes.renumber(&self.scene.space, &self.active, points.dimension());
         self.patches = Patches::new(&self.scene.space, &self.active, &self.nodes.dofs);
+        if self.settings.consistent_mass {
+            let (active, space, dofs) = (&self.active, &self.scene.space, &self.nodes.dofs);
+            self.system = Some(ConsistentMass { blocks: &points.blocks, active, space, dofs }.system());
+        }
         let sizes = self.active.cells.iter().map(|&cell| self.limits.sizes[cell as usize]);
         self.limits.smallest = sizes.fold(f64::INFINITY, f64::min);
     }
@@ -175,154 +159,6 @@ impl Explicit {
                 }
             }
         }
-    }
-
-    /// Sums the points up on the nodes.
-    fn gather(&mut self, points: &MaterialPoints, wanted: Wanted, time_step: f64) {
-        let begin = Instant::now();
-        let central = self.settings.scheme == Scheme::CentralDifference;
-        let gather = Gather {
-            blocks: &points.blocks,
-            active: &self.active,
-            patches: &self.patches,
-            space: &self.scene.space,
-            dofs: &self.nodes.dofs,
-            mapping: self.mapping,
-            frame: self.frame(),
-            kinematics: points.kinematics,
-            ahead: if central { 0.5 * time_step } else { 0.0 },
-            faults: self.faults,
-            arch: self.arch,
-        };
-        self.nodes.sums.add(&gather, wanted);
-        self.stages[TO_GRID].1 += begin.elapsed();
-    }
-
-    /// Does these strokes with the points, by these fields of the grid.
-    fn strokes(
-        &mut self,
-        points: &mut MaterialPoints,
-        time_step: f64,
-        fields: Fields,
-        strokes: Strokes,
-    ) -> Result<(), Error> {
-        let begin = Instant::now();
-        let grid = Grid {
-            space: &self.scene.space,
-            dofs: &self.nodes.dofs,
-            mapping: self.mapping,
-            kinematics: points.kinematics,
-            faults: self.faults,
-            arch: self.arch,
-        };
-        let field = Field {
-            grid,
-            fields,
-            frame: self.frame(),
-            time_step,
-            gamma: self.gamma(),
-            transfer: self.settings.transfer,
-            reach: self.faults.reach(self.limits.smallest),
-            compressible: self.settings.compressible,
-        };
-        let found = to_points::apply(points, &field, strokes);
-        self.stages[TO_POINTS].1 += begin.elapsed();
-        let found = found.map_err(|trouble| self.failure(points, &trouble, time_step))?;
-        if strokes.kick {
-            self.limits.point = found.fastest;
-        }
-        self.search.leavers.extend(found.leavers);
-        Ok(())
-    }
-
-    fn gamma(&self) -> f64 {
-        if self.settings.scheme == Scheme::CentralDifference { 0.5 } else { 1.0 }
-    }
-
-    fn updates_stress_first(&self) -> bool {
-        matches!(self.settings.scheme, Scheme::UpdateStressFirst | Scheme::CentralDifference)
-    }
-
-    /// The end of an unstable run.
-    fn failure(&self, points: &MaterialPoints, trouble: &Trouble, time_step: f64) -> Error {
-        let block = &points.blocks[trouble.block];
-        let gradient = block.deformation_gradient(trouble.point);
-        let name = format!("material point {}", block.ids[trouble.point]);
-        let advice = match self.limits.stable_step() {
-            stable if time_step > stable => {
-                format!("a time step of at most {stable:.4e} s, or \"time_step\": \"auto\"")
-            }
-            _ => "a smaller time step; this step was within the stable one, so look at loads and at cells that hold \
-                  little material"
-                .to_string(),
-        };
-        let jacobian = format!("J = {:e}", gradient.determinant());
-        let (what, detail) = match &trouble.cause {
-            Cause::Law(error) => (format!("the law {} has no answer: {error}", block.law.name()), jacobian),
-            Cause::Inverted(jacobian) => {
-                let what = "the run is unstable: a material point is turned inside out";
-                (what.to_string(), format!("J = {jacobian:e}"))
-            }
-            Cause::Moved(distance) => {
-                let what = "the run is unstable: a material point moves farther than a cell in one step";
-                (what.to_string(), format!("{jacobian}; it moves {distance:e} m"))
-            }
-        };
-        let failure = Failure::new(what, advice).at(name, block.coordinates(trouble.point)).detail(detail);
-        let speed = block.velocity.row(trouble.point);
-        let failure = failure.detail(format!("velocity: {speed:?} m/s"));
-        let stable = self.limits.stable_step();
-        failure.detail(format!("time step {time_step:.4e} s, stable {stable:.4e} s: {}", self.limits.describe())).into()
-    }
-
-    /// Warns once, or stops, when a step of the user's is above the stable one.
-    fn judge_step(&mut self, step: f64, stable: f64) -> Result<(), Error> {
-        if step <= stable || matches!(self.scene.settings.stepping, Stepping::Courant(_)) {
-            return Ok(());
-        }
-        let what = format!("the time step {step:.4e} s is above the stable one, {stable:.4e} s");
-        if self.settings.strict {
-            let advice = "a smaller time step, or \"time_step\": \"auto\"";
-            return Err(Failure::new(what, advice).detail(self.limits.describe()).into());
-        }
-        if !std::mem::replace(&mut self.told_step, true) {
-            tracing::warn!("{what} ({})", self.limits.describe());
-        }
-        Ok(())
-    }
-
-    /// Takes the points to the end of the step, carried by this velocity of the nodes.
-    fn move_points(&mut self, points: &mut MaterialPoints, time_step: f64, carrying: &[f64]) -> Result<(), Error> {
-        let (acceleration, drift, kick) = (std::mem::take(&mut self.nodes.acceleration), true, true);
-        let smooth = if self.settings.transfer == Transfer::Flip(1.0) { &[] } else { carrying };
-        let fields = Fields { deforming: &[], carrying, acceleration: &acceleration, smooth };
-        let moved = match self.settings.scheme {
-            Scheme::ModifiedUpdateStressLast => {
-                let fields = Fields { carrying: &[], ..fields };
-                let kicked = self.strokes(points, time_step, fields, Strokes { kick, ..Strokes::default() });
-                kicked.and_then(|()| self.map_again(points, time_step, carrying))
-            }
-            Scheme::UpdateStressLast => {
-                let fields = Fields { deforming: carrying, ..fields };
-                self.strokes(points, time_step, fields, Strokes { strain: true, kick, drift })
-            }
-            _ => self.strokes(points, time_step, fields, Strokes { kick, drift, ..Strokes::default() }),
-        };
-        self.nodes.acceleration = acceleration;
-        moved
-    }
-
-    /// Deforms points by the velocity that their own new velocities give the grid, and moves them.
-    fn map_again(&mut self, points: &mut MaterialPoints, time_step: f64, carrying: &[f64]) -> Result<(), Error> {
-        self.nodes.sums.momentum.fill(0.0);
-        self.gather(points, Wanted::MovedMomentum, time_step);
-        self.nodes.velocity.resize(carrying.len(), 0.0);
-        self.nodes.find_velocity();
-        let velocity = std::mem::take(&mut self.nodes.velocity);
-        let fields = Fields { deforming: &velocity, carrying, ..Fields::default() };
-        let moved = self.strokes(points, time_step, fields, Strokes { strain: true, drift: true, kick: false });
-        self.nodes.velocity = velocity;
-        moved
     }
 
     fn shows(&self, name: &str) -> bool {
@@ -392,13 +228,20 @@ impl Solver for Explicit {
         }
         if let Some(grid) = model.part(GRID) {
             self.mapping = search::mapping(grid, &self.scene.settings.discretisation);
+            self.mapping.stored |= self.settings.consistent_mass;
         }
+        let dimension = self.scene.settings.dimension;
         let needed = Columns {
             velocity: true,
             acceleration: self.settings.scheme == Scheme::CentralDifference,
             local: self.mapping.stored,
             stress: true,
             volume: true,
+            transfer: match self.settings.transfer {
+                Transfer::Flip(_) => 0,
+                Transfer::Apic | Transfer::Tpic => dimension * dimension,
+                Transfer::Xpic(_) => dimension,
+            },
             ..Columns::default()
         };
         self.scene.make_points(model, requirements, needed)?;
@@ -453,10 +296,7 @@ impl Solver for Explicit {
             let begin = Instant::now();
             self.update_active(points, grid, time_step)?;
             self.stages[SEARCH].1 += begin.elapsed();
-            self.nodes.start(grid, &self.scene.space, time_step, self.faults);
-            let wanted = if self.updates_stress_first() { Wanted::Momentum } else { Wanted::Both };
-            self.gather(points, wanted, time_step);
-            self.nodes.weigh(self.faults);
+            self.start(points, grid, time_step);
             Ok(())
         })
     }
@@ -464,23 +304,7 @@ impl Solver for Explicit {
     fn solve_solution_step(&mut self, context: &mut Context) -> Result<StepReport, Error> {
         let time_step = context.clock.time_step;
         with_points(context.model, |points, grid| {
-            if self.updates_stress_first() {
-                self.nodes.find_velocity();
-                let velocity = std::mem::take(&mut self.nodes.velocity);
-                let fields = Fields { deforming: &velocity, ..Fields::default() };
-                let strained = self.strokes(points, time_step, fields, Strokes { strain: true, ..Strokes::default() });
-                self.nodes.velocity = velocity;
-                strained?;
-                self.gather(points, Wanted::Force, time_step);
-            }
-            let axisymmetric = points.kinematics == Kinematics::Axisymmetric;
-            let loads =
-                crate::loads::Loads { grid, space: &self.scene.space, conditions: &points.conditions, axisymmetric };
-            loads.add(&self.nodes.dofs, &[], &mut self.nodes.sums.force);
-            self.nodes.accelerate(self.gamma() * time_step);
-            if self.settings.scheme != Scheme::CentralDifference {
-                self.nodes.find_velocity();
-            }
+            self.accelerate_grid(points, grid, time_step)?;
             Ok(StepReport { converged: true, ..StepReport::default() })
         })
     }
@@ -488,12 +312,8 @@ impl Solver for Explicit {
     fn finalize_solution_step(&mut self, context: &mut Context) -> Result<(), Error> {
         let time_step = context.clock.time_step;
         with_points(context.model, |points, grid| {
-            let carrying = std::mem::take(&mut self.nodes.velocity);
-            let moved = self.move_points(points, time_step, &carrying);
-            if self.settings.scheme != Scheme::ModifiedUpdateStressLast {
-                self.nodes.velocity = carrying.clone();
-            }
-            moved?;
+            self.move_points(points, grid, time_step)?;
+            let carrying = &self.nodes.carrying;
             let mut increments = Vec::new();
             if !points.conditions.is_empty() || (self.shows(DISPLACEMENT.name) && !self.faults.shows_old_nodes()) {
                 increments.extend(carrying.iter().map(|v| v * time_step));

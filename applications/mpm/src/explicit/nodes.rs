@@ -15,8 +15,12 @@ pub struct Nodes {
     pub dofs: ActiveDofs,
     /// Mass, momentum, force.
     pub sums: NodalSums,
-    /// Velocity that carries and deforms the points.
+    /// Velocity; after the step, the one that deformed the points last.
     pub velocity: Vec<f64>,
+    /// Velocity that carries the points.
+    pub carrying: Vec<f64>,
+    /// Displacement in the total frame, where the transfer asks for it; else empty.
+    pub displacement: Vec<f64>,
     /// Acceleration.
     pub acceleration: Vec<f64>,
     /// Force that holds the fixed components.
@@ -92,6 +96,21 @@ impl Nodes {
                 (false, Some(mass)) => self.sums.momentum[dof] / mass,
                 (false, None) => 0.0,
             };
+        }
+    }
+
+    /// Momentum over mass, whatever is imposed.
+    pub fn mean_velocity(&self) -> Vec<f64> {
+        let of = |dof: usize| self.mass(dof).map_or(0.0, |mass| self.sums.momentum[dof] / mass);
+        (0..self.dofs.order()).map(of).collect()
+    }
+
+    /// Replaces the accelerations of the free dofs.
+    pub fn set_free_accelerations(&mut self, accelerations: &[f64]) {
+        for (dof, acceleration) in self.acceleration.iter_mut().enumerate() {
+            if !self.dofs.fixed()[dof] {
+                *acceleration = accelerations[dof];
+            }
         }
     }
 

@@ -27,6 +27,22 @@ pub struct Fields<'a> {
     pub acceleration: &'a [f64],
     /// Velocity that points share in.
     pub smooth: &'a [f64],
+    /// Wanted of the smooth velocity beside its value.
+    pub affine: Affine,
+    /// Displacement of the nodes in the total frame.
+    pub displacement: &'a [f64],
+}
+
+/// The affine part of the velocity about a point that a transfer keeps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Affine {
+    /// None.
+    #[default]
+    None,
+    /// First moments Σ N v ⊗ (x_i − x_p), present places (Jiang et al. 2015).
+    Moments,
+    /// The gradient Σ v ⊗ ∂N/∂X (Nakamura et al. 2023).
+    Gradient,
 }
 
 /// What sampling needs to know of the grid.
@@ -58,6 +74,8 @@ pub struct Sample {
     pub acceleration: [Pack; 3],
     /// Smooth velocity.
     pub smooth: [Pack; 3],
+    /// Affine part of the smooth velocity.
+    pub affine: Tensor<Pack>,
     /// Where the cell is, if that tells which positions it holds.
     pub cell: Option<AffineMap<3>>,
 }
@@ -71,6 +89,7 @@ impl Sample {
             carrying: [zero; 3],
             acceleration: [zero; 3],
             smooth: [zero; 3],
+            affine: [[zero; 3]; 3],
             cell: None,
         }
     };
@@ -150,6 +169,9 @@ impl<'a, B: CellOf<'a, D, N>, const D: usize, const N: usize> pulp::WithSimd for
             }
             nodal.acceleration = vectors_of(&numbers, fields.acceleration);
             nodal.smooth = vectors_of(&numbers, fields.smooth);
+            if fields.affine == Affine::Moments {
+                nodal.places = places(grid.space, index, &numbers, fields.displacement);
+            }
             for rows in groups(simd, points) {
                 // Most cells have one group: what is spread over the lanes ahead of this loop is spilled.
                 let nodal = std::hint::black_box(&nodal);
@@ -170,6 +192,17 @@ impl<'a, B: CellOf<'a, D, N>, const D: usize, const N: usize> pulp::WithSimd for
                 }
                 if !fields.smooth.is_empty() {
                     interpolate(&functions, &nodal.smooth, &mut sample.smooth);
+                    match fields.affine {
+                        Affine::None => {}
+                        Affine::Gradient => {
+                            let (_, gradients) = grid.functions(&cell, &xi, true);
+                            grid.gradient(&cell, &xi, &functions, &gradients, &nodal.smooth, &mut sample.affine);
+                        }
+                        Affine::Moments => {
+                            let position = rows.load(simd, chunk.position);
+                            moments(&functions, &position, nodal, &mut sample.affine);
+                        }
+                    }
                 }
             }
         }
@@ -182,11 +215,55 @@ struct Nodal<const D: usize, const N: usize> {
     carrying: [[f64; D]; N],
     acceleration: [[f64; D]; N],
     smooth: [[f64; D]; N],
+    /// Present places.
+    places: [[f64; D]; N],
 }
 
 impl<const D: usize, const N: usize> Nodal<D, N> {
-    const ZERO: Self =
-        Self { deforming: [[0.0; D]; N], carrying: [[0.0; D]; N], acceleration: [[0.0; D]; N], smooth: [[0.0; D]; N] };
+    const ZERO: Self = {
+        let zero = [[0.0; D]; N];
+        Self { deforming: zero, carrying: zero, acceleration: zero, smooth: zero, places: zero }
+    };
+}
+
+/// Present places of a cell's nodes: their anchors, displaced in the total frame.
+#[inline(always)]
+pub fn places<const D: usize, const N: usize>(
+    space: &Space,
+    cell: usize,
+    numbers: &[usize; N],
+    displacement: &[f64],
+) -> [[f64; D]; N] {
+    let mut places = space.corners::<D, N>(cell);
+    let moved = vectors_of::<D, N>(numbers, displacement);
+    for i in 0..N {
+        for a in 0..D {
+            places[i][a] += moved[i][a];
+        }
+    }
+    places
+}
+
+/// Σ N v ⊗ (x_i − x_p).
+#[inline(always)]
+fn moments<S: Simd, const D: usize, const N: usize>(
+    functions: &[Lanes<S>; N],
+    position: &[Lanes<S>; D],
+    nodal: &Nodal<D, N>,
+    out: &mut Tensor<Pack>,
+) {
+    for b in 0..D {
+        let mut column = [position[0].constant(0.0); D];
+        for i in 0..N {
+            let lever = functions[i] * (position[b].constant(nodal.places[i][b]) - position[b]);
+            for a in 0..D {
+                column[a] += lever * nodal.smooth[i][a];
+            }
+        }
+        for a in 0..D {
+            column[a].store(&mut out[a][b]);
+        }
+    }
 }
 
 impl Grid<'_> {

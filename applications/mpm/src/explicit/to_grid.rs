@@ -5,9 +5,10 @@ use super::kinematics::inverse as invert;
 use super::kratos_faults::KratosFaults;
 use super::patches::Patches;
 use super::rows::{Rows, groups};
-use super::sample::type_of;
+use super::sample::{Affine, places, type_of};
 use super::strain::load_gradient;
 use crate::active::ActiveCells;
+use crate::grid::numbers;
 use crate::points::Block;
 use crate::settings::Frame;
 use crate::space::{Space, with_basis};
@@ -73,6 +74,10 @@ pub struct Gather<'a> {
     pub frame: Frame,
     /// Kinematics of the scene.
     pub kinematics: Kinematics,
+    /// The affine part of the velocity that points carry.
+    pub affine: Affine,
+    /// Displacement of the nodes in the total frame.
+    pub displacement: &'a [f64],
     /// Time by which velocities are carried ahead with the points' accelerations, in seconds.
     pub ahead: f64,
     /// Faults to repeat.
@@ -158,6 +163,46 @@ struct Cells<'a, 's, B, const D: usize, const N: usize> {
 /// Numbers that each node of a patch sums: mass, momentum, force, and room to fill up to eight.
 const RECORD: usize = 8;
 
+/// Share of the spread of a cell's nodes about a point that is added to it, so that it has an inverse.
+const TINY: f64 = 1e-14;
+
+/// An affine velocity field about points.
+struct AffineField<S: Simd, const D: usize, const N: usize> {
+    /// From the point to each node.
+    lever: [[Lanes<S>; D]; N],
+    gradient: [[Lanes<S>; D]; D],
+}
+
+impl<S: Simd, const D: usize, const N: usize> AffineField<S, D, N> {
+    /// Adds the momentum that the field gives node `i` beside that of the point.
+    #[inline(always)]
+    fn add(&self, i: usize, mass: Lanes<S>, momentum: &mut [Lanes<S>; D]) {
+        for a in 0..D {
+            let mut velocity = self.gradient[a][0] * self.lever[i][0];
+            for b in 1..D {
+                velocity += self.gradient[a][b] * self.lever[i][b];
+            }
+            momentum[a] += velocity * mass;
+        }
+    }
+}
+
+/// D × D entries of each row.
+#[inline(always)]
+fn load_tensor<S: Simd, const D: usize>(simd: S, rows: Rows, column: &[f64]) -> [[Lanes<S>; D]; D] {
+    let mut out = [[Lanes::splat(simd, 0.0); D]; D];
+    for a in 0..D {
+        for b in 0..D {
+            let mut pack = Pack([0.0; WIDTH]);
+            for (l, point) in rows.points().enumerate() {
+                pack.0[l] = column[(point * D + a) * D + b];
+            }
+            out[a][b] = Lanes::load(simd, &pack);
+        }
+    }
+    out
+}
+
 /// What makes the nodal forces of points in step.
 struct Force<S: Simd, const D: usize> {
     /// V σ J⁻ᵀ.
@@ -196,7 +241,7 @@ impl<'a, B: CellOf<'a, D, N>, const D: usize, const N: usize> pulp::WithSimd for
                 let block = &self.gather.blocks[run[0].0 as usize];
                 let first = run[0].1 as usize;
                 for rows in groups(simd, first..first + run.len()) {
-                    self.add_points(simd, &cell, block, rows, places);
+                    self.add_points(simd, &cell, block, rows, places, index);
                 }
             }
         }
@@ -206,7 +251,15 @@ impl<'a, B: CellOf<'a, D, N>, const D: usize, const N: usize> pulp::WithSimd for
 impl<'a, B: CellOf<'a, D, N>, const D: usize, const N: usize> Cells<'a, '_, B, D, N> {
     /// Adds points to the nodes of their cell, which have these places in the patch.
     #[inline(always)]
-    fn add_points<S: Simd>(&mut self, simd: S, cell: &Cell<B, D, N>, block: &Block, rows: Rows, places: &[u32]) {
+    fn add_points<S: Simd>(
+        &mut self,
+        simd: S,
+        cell: &Cell<B, D, N>,
+        block: &Block,
+        rows: Rows,
+        places: &[u32],
+        index: usize,
+    ) {
         let zero = Lanes::splat(simd, 0.0);
         let at = self.at_points(simd, cell, block, rows);
         // Lanes beyond the last point count nothing.
@@ -225,6 +278,11 @@ impl<'a, B: CellOf<'a, D, N>, const D: usize, const N: usize> Cells<'a, '_, B, D
         if self.wanted.force() {
             force = self.force(simd, &at, block, rows, mass);
         }
+        let affine = if self.wanted.momentum() && self.gather.affine != Affine::None {
+            Some(self.affine(simd, cell, &at, block, rows, index))
+        } else {
+            None
+        };
         for (i, &place) in places.iter().enumerate() {
             let mut record = [zero; RECORD];
             if self.wanted.momentum() {
@@ -233,8 +291,12 @@ impl<'a, B: CellOf<'a, D, N>, const D: usize, const N: usize> Cells<'a, '_, B, D
                 if !moved {
                     record[0] = function * mass;
                 }
+                let mut of_node = momentum;
+                if let Some(affine) = &affine {
+                    affine.add(i, mass, &mut of_node);
+                }
                 for a in 0..D {
-                    record[1 + a] = function * momentum[a];
+                    record[1 + a] = function * of_node[a];
                 }
             }
             if self.wanted.force() {
@@ -254,6 +316,67 @@ impl<'a, B: CellOf<'a, D, N>, const D: usize, const N: usize> Cells<'a, '_, B, D
                 node[k] += sums[k];
             }
         }
+    }
+
+    /// The affine field about points: C = B D⁻¹, D = Σ N (x_i − x_p) ⊗ (x_i − x_p), from the moments B,
+    /// or the gradient that is kept.
+    #[inline(always)]
+    fn affine<S: Simd>(
+        &self,
+        simd: S,
+        cell: &Cell<B, D, N>,
+        at: &AtPoints<S, D, N>,
+        block: &Block,
+        rows: Rows,
+        index: usize,
+    ) -> AffineField<S, D, N> {
+        let Gather { active, space, dofs, displacement, affine, .. } = *self.gather;
+        let id = active.cells[index] as usize;
+        let numbers = numbers::<N>(dofs, space.nodes_of(id));
+        let moments = affine == Affine::Moments;
+        let displacement = if moments { displacement } else { &[] };
+        let places = places::<D, N>(space, id, &numbers, displacement);
+        let zero = Lanes::splat(simd, 0.0);
+        let kept = load_tensor::<S, D>(simd, rows, block.transfer.values());
+        let mut position = rows.load::<S, D>(simd, block.position.values());
+        if !moments && self.gather.frame == Frame::Total {
+            // The gradient is with respect to the first places.
+            let xi = cell.local(&position, || rows.load(simd, block.local.values()));
+            position = cell.basis.position(&xi, &at.all);
+        }
+        let (mut lever, mut spread) = ([[zero; D]; N], [[zero; 3]; 3]);
+        for i in 0..N {
+            for a in 0..D {
+                lever[i][a] = zero + places[i][a] - position[a];
+            }
+            for a in 0..D {
+                for b in 0..D {
+                    spread[a][b] += at.all[i] * lever[i][a] * lever[i][b];
+                }
+            }
+        }
+        if !moments {
+            return AffineField { lever, gradient: kept };
+        }
+        // Where the points lie on nodes, D has no inverse, and B vanishes with it.
+        let mut trace = spread[0][0];
+        for a in 1..D {
+            trace += spread[a][a];
+        }
+        for a in 0..3 {
+            let missing = if a < D { trace * TINY + f64::MIN_POSITIVE } else { zero + 1.0 };
+            spread[a][a] += missing;
+        }
+        let inverse = invert(&spread);
+        let mut gradient = [[zero; D]; D];
+        for a in 0..D {
+            for b in 0..D {
+                for c in 0..D {
+                    gradient[a][b] += kept[a][c] * inverse[c][b];
+                }
+            }
+        }
+        AffineField { lever, gradient }
     }
 
     #[inline(always)]

@@ -2,12 +2,14 @@
 //! the strain deforms points and asks their laws, the drift moves them.
 
 use super::chunk::{Chunk, Opened, open};
-use super::sample::{Fields, Grid, Sample, Samples};
+use super::rows::Rows;
+use super::sample::{Affine, Fields, Grid, Sample, Samples};
 use super::strain::Material;
 use crate::points::MaterialPoints;
 use crate::settings::{Frame, Transfer};
 use bia_constitutive::LawError;
-use bia_kernel::lanes::{Lanes, Real, WIDTH};
+use bia_constitutive::tensor::Tensor;
+use bia_kernel::lanes::{Lanes, Pack, Real, WIDTH};
 use pulp::Simd;
 use rayon::prelude::*;
 
@@ -29,6 +31,8 @@ pub struct Field<'a> {
     pub reach: f64,
     /// Deform the points; else their volume and density stay.
     pub compressible: bool,
+    /// Points move with their own velocity instead of the grid's.
+    pub moves_by_point: bool,
 }
 
 /// What is done with the points, in this order.
@@ -36,6 +40,8 @@ pub struct Field<'a> {
 pub struct Strokes {
     /// Deform points and ask their laws for the stress.
     pub strain: bool,
+    /// Take from velocities what the grid shows of them.
+    pub filter: bool,
     /// Change velocities.
     pub kick: bool,
     /// Move points.
@@ -135,6 +141,9 @@ fn strike<const D: usize>(
     if strokes.strain {
         material.strain::<D>(chunk, samples)?;
     }
+    if strokes.filter {
+        arch.dispatch(Filter::<D> { chunk, samples });
+    }
     if strokes.kick {
         found.fastest = arch.dispatch(Kick::<D> { chunk, samples, field })?;
     }
@@ -167,11 +176,23 @@ impl<const D: usize> pulp::WithSimd for Kick<'_, '_, D> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let Self { chunk, samples, field } = self;
-        let share = if let Transfer::Flip(share) = field.transfer { share } else { 1.0 };
+        let share = match field.transfer {
+            Transfer::Flip(share) => share,
+            Transfer::Apic | Transfer::Tpic => 0.0,
+            Transfer::Xpic(_) => 1.0,
+        };
+        let xpic = matches!(field.transfer, Transfer::Xpic(_));
         let mut fastest = Lanes::splat(simd, 0.0);
         for sample in samples {
             let rows = sample.rows;
             let mut velocity = rows.load::<S, D>(simd, chunk.velocity);
+            if xpic {
+                // The velocity was filtered: what is left of it is what the grid does not see.
+                let before = rows.load::<S, D>(simd, chunk.transfer);
+                for a in 0..D {
+                    velocity[a] = before[a] - velocity[a];
+                }
+            }
             let mut change = velocity;
             for a in 0..D {
                 change[a] = Lanes::load(simd, &sample.acceleration[a]);
@@ -199,8 +220,44 @@ impl<const D: usize> pulp::WithSimd for Kick<'_, '_, D> {
             if !chunk.acceleration.is_empty() {
                 rows.store(chunk.acceleration, &change);
             }
+            if field.fields.affine != Affine::None {
+                store_affine::<D>(rows, chunk.transfer, &sample.affine);
+            }
         }
         Ok(fastest.pack().0.into_iter().fold(0.0, f64::max))
+    }
+}
+
+/// Writes the affine part of the velocity, row by row.
+#[inline(always)]
+fn store_affine<const D: usize>(rows: Rows, column: &mut [f64], affine: &Tensor<Pack>) {
+    for (l, point) in rows.points().enumerate() {
+        for a in 0..D {
+            for b in 0..D {
+                column[(point * D + a) * D + b] = affine[a][b].0[l];
+            }
+        }
+    }
+}
+
+/// Takes from velocities what the grid shows of them.
+struct Filter<'a, 'c, const D: usize> {
+    chunk: &'a mut Chunk<'c>,
+    samples: &'a [Sample],
+}
+
+impl<const D: usize> pulp::WithSimd for Filter<'_, '_, D> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        for sample in self.samples {
+            let mut velocity = sample.rows.load::<S, D>(simd, self.chunk.velocity);
+            for a in 0..D {
+                velocity[a] -= Lanes::load(simd, &sample.smooth[a]);
+            }
+            sample.rows.store(self.chunk.velocity, &velocity);
+        }
     }
 }
 
@@ -222,8 +279,10 @@ impl<const D: usize> pulp::WithSimd for Drift<'_, '_, D> {
             let rows = sample.rows;
             let mut position = rows.load::<S, D>(simd, chunk.position);
             let mut path = position;
+            let own = rows.load::<S, D>(simd, chunk.velocity);
             for a in 0..D {
-                path[a] = Lanes::load(simd, &sample.carrying[a]) * field.time_step;
+                let carried = if field.moves_by_point { own[a] } else { Lanes::load(simd, &sample.carrying[a]) };
+                path[a] = carried * field.time_step;
                 position[a] += path[a];
             }
             let distance = squared(&path);

@@ -6,7 +6,6 @@ mod kratos_faults;
 mod midpoint;
 mod motion;
 mod problem;
-mod projection;
 mod transfer;
 
 use crate::active::ActiveCells;

@@ -8,8 +8,8 @@
 
 use super::Implicit;
 use super::problem::Inertia;
-use super::projection::ConsistentMass;
 use crate::points::MaterialPoints;
+use crate::projection::ConsistentMass;
 use crate::settings::Frame;
 use bia_kernel::error::Error;
 use bia_kernel::model::ModelPart;

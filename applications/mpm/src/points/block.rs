@@ -28,6 +28,8 @@ pub struct Columns {
     pub volume: bool,
     /// Body force per mass that differs from point to point.
     pub body_acceleration: bool,
+    /// Numbers a point that the transfer of velocity keeps.
+    pub transfer: usize,
 }
 
 /// Points of one body with one material.
@@ -51,6 +53,9 @@ pub struct Block {
     pub gravity: [f64; 3],
     /// Body force per mass in m/s² of each point beside gravity, if used.
     pub body_acceleration: Column,
+    /// What the transfer of velocity keeps, if anything: first moments of the velocity about the point
+    /// (APIC) or its gradient (TPIC), row by row; or the velocity before it is filtered (XPIC).
+    pub transfer: Column,
     /// Ids, each once. In what order the points stand is the solver's choice, which may sort them by
     /// cell ([`Block::reorder`]); whoever writes them out goes by [`Block::in_order_of_id`] or
     /// [`MaterialPoints::by_id`].
@@ -131,7 +136,7 @@ impl Block {
     }
 
     /// All columns with their names.
-    pub fn columns(&self) -> [(&'static str, &Column); 12] {
+    pub fn columns(&self) -> [(&'static str, &Column); 13] {
         [
             ("local coordinates", &self.local),
             ("position", &self.position),
@@ -145,10 +150,11 @@ impl Block {
             ("strain", &self.strain),
             ("volume", &self.volume),
             ("body acceleration", &self.body_acceleration),
+            ("transfer", &self.transfer),
         ]
     }
 
-    fn columns_mut(&mut self) -> [&mut Column; 12] {
+    fn columns_mut(&mut self) -> [&mut Column; 13] {
         [
             &mut self.local,
             &mut self.position,
@@ -162,6 +168,7 @@ impl Block {
             &mut self.strain,
             &mut self.volume,
             &mut self.body_acceleration,
+            &mut self.transfer,
         ]
     }
 

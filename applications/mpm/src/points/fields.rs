@@ -46,6 +46,7 @@ const NONE: Columns = Columns {
     strain_energy: false,
     volume: false,
     body_acceleration: false,
+    transfer: 0,
 };
 const VELOCITY: Columns = Columns { velocity: true, ..NONE };
 const STRESS: Columns = Columns { stress: true, ..NONE };
@@ -91,6 +92,7 @@ impl Columns {
             strain_energy: self.strain_energy || other.strain_energy,
             volume: self.volume || other.volume,
             body_acceleration: self.body_acceleration || other.body_acceleration,
+            transfer: if self.transfer > other.transfer { self.transfer } else { other.transfer },
         }
     }
 }

@@ -219,6 +219,7 @@ fn new_block(plan: &Plan, body: usize, id: u32, element: u32) -> Result<Block, I
             density: density(properties),
             gravity: [0.0; 3],
             body_acceleration: Column::default(),
+            transfer: Column::default(),
             ids: Vec::new(),
             cell: Vec::new(),
             local: Column::new(if plan.columns.local { kinematics.dimension() } else { 0 }, 0),
@@ -320,6 +321,7 @@ fn allocate(block: &mut Block, plan: &Plan) {
     block.stress = column(voigt, columns.stress || work || shown);
     block.strain = column(voigt, block.law.uses_strain() || work || shown);
     block.body_acceleration = column(dimension, columns.body_acceleration);
+    block.transfer = column(columns.transfer, columns.transfer > 0);
     if columns.volume || work {
         block.volume = block.mass.clone();
         block.volume.values_mut().iter_mut().for_each(|volume| *volume /= block.density);

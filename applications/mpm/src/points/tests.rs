@@ -36,6 +36,7 @@ fn block(body: usize, ids: Vec<u32>) -> Block {
         density: 3.0,
         gravity: [0.1, -0.2, -9.81],
         body_acceleration: column(3, count, seed + 1),
+        transfer: column(9, count, seed + 2),
         cell: ids.iter().map(|id| id % 5).collect(),
         ids,
         local: column(3, count, seed + 2),

@@ -35,9 +35,12 @@ pub const KEYS: &[Key] = &Key::join::<7, 41, 48>(
                 "energy_conserving",
                 "forward_euler",
                 "central_difference",
+                "velocity_verlet",
+                "yoshida",
             ]),
             "dynamic: time scheme, by default bossak if implicit and central_difference if explicit; \
-             energy_conserving: mid-point rule with consistent mass in the total Lagrangian frame",
+             energy_conserving: mid-point rule with consistent mass in the total Lagrangian frame; velocity_verlet \
+             and yoshida (fourth order): explicit and symplectic, in the total Lagrangian frame",
         ),
         Key::new(
             "stress_update",

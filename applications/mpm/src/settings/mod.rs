@@ -37,6 +37,18 @@ pub enum Scheme {
     ModifiedUpdateStressLast,
     /// Staggered velocities half a step ahead; stress before the forces.
     CentralDifference,
+    /// Symplectic: half a kick, a drift with the velocity that the points then give the grid, half a
+    /// kick. Velocity and deformation are known at the same time, and the energy error does not drift.
+    VelocityVerlet,
+    /// Three such stages of different lengths: fourth order (Yoshida 1990).
+    Yoshida,
+}
+
+impl Scheme {
+    /// Kick, drift, kick: velocity and deformation are known at the same time.
+    pub fn is_symplectic(self) -> bool {
+        matches!(self, Scheme::VelocityVerlet | Scheme::Yoshida)
+    }
 }
 
 /// What explicit runs alone have.
@@ -54,6 +66,8 @@ pub struct ExplicitSettings {
     pub transfer: Transfer,
     /// Points move with their own velocity instead of the grid's.
     pub moves_by_point: bool,
+    /// The whole mass matrix instead of row sums.
+    pub consistent_mass: bool,
 }
 
 /// Checked settings.
@@ -131,7 +145,9 @@ impl SolverSettings {
         };
         let is_explicit = regime == Regime::Dynamic && s.text("time_integration_method") == "explicit";
         check_scheme(&s, is_explicit, &mut errors);
-        if !is_explicit {
+        if is_explicit {
+            check_explicit(&s, &mut errors);
+        } else {
             check_implicit(&s, regime, &mut errors);
         }
         let stepping = errors.absorb(Stepping::read(&s, is_explicit));
@@ -172,13 +188,20 @@ impl SolverSettings {
     /// Keys that were given a value of their own but that the chosen method does not read.
     pub fn unread(&self) -> Vec<String> {
         let (method, keys): (_, &[&str]) = match (self.regime, &self.explicit) {
-            (_, Some(_)) => {
-                ("an explicit", &["consistent_mass_matrix", "newmark_beta", "damp_factor_m", "max_iteration"])
-            }
-            (Regime::Dynamic, None) => ("an implicit", &["stress_update", "compressible"]),
+            (_, Some(_)) => ("an explicit", &["newmark_beta", "damp_factor_m", "max_iteration"]),
+            (Regime::Dynamic, None) => ("an implicit", &["stress_update", "compressible", "position_update"]),
             (_, None) => (
                 "a static or quasi-static",
-                &["stress_update", "compressible", "newmark_beta", "damp_factor_m", "consistent_mass_matrix"],
+                &[
+                    "stress_update",
+                    "compressible",
+                    "newmark_beta",
+                    "damp_factor_m",
+                    "consistent_mass_matrix",
+                    "transfer",
+                    "flip_fraction",
+                    "position_update",
+                ],
             ),
         };
         let default = |key: &str| KEYS.iter().find(|k| k.name == key).map(|k| k.default);
@@ -251,14 +274,14 @@ fn check_implicit(s: &Settings, regime: Regime, errors: &mut InputErrors) {
 
 /// Schemes of the other method, and what this build does not have.
 fn check_scheme(s: &Settings, is_explicit: bool, errors: &mut InputErrors) {
-    let explicit_schemes = ["forward_euler", "central_difference"];
+    let explicit_schemes = ["forward_euler", "central_difference", "velocity_verlet", "yoshida"];
     if let Some(name) = scheme_name(s)
         && explicit_schemes.contains(&name) != is_explicit
     {
         let help = if is_explicit {
-            "explicit: forward_euler or central_difference"
+            "explicit: forward_euler, central_difference, velocity_verlet or yoshida"
         } else {
-            "for forward_euler and central_difference set solver_type \"dynamic\" and time_integration_method \"explicit\""
+            "for explicit schemes set solver_type \"dynamic\" and time_integration_method \"explicit\""
         };
         let method = if is_explicit { "explicit" } else { "implicit" };
         errors.push(s.error("scheme_type", format!("{name:?} is no {method} scheme")).help(help));
@@ -274,6 +297,8 @@ fn explicit(s: &Settings) -> ExplicitSettings {
         (Some("forward_euler"), "usl") => Scheme::UpdateStressLast,
         (Some("forward_euler"), "musl") => Scheme::ModifiedUpdateStressLast,
         (Some("forward_euler"), _) => Scheme::UpdateStressFirst,
+        (Some("velocity_verlet"), _) => Scheme::VelocityVerlet,
+        (Some("yoshida"), _) => Scheme::Yoshida,
         _ => Scheme::CentralDifference,
     };
     ExplicitSettings {
@@ -283,7 +308,61 @@ fn explicit(s: &Settings) -> ExplicitSettings {
         strict: s.nested("time_stepping").is_some_and(|nested| nested.text("time_step_policy") == "strict"),
         transfer: Transfer::of(s),
         moves_by_point: s.text("position_update") == "point",
+        consistent_mass: s.flag("consistent_mass_matrix"),
     }
+}
+
+/// Choices of explicit runs that do not go together.
+fn check_explicit(s: &Settings, errors: &mut InputErrors) {
+    let ExplicitSettings { scheme, transfer, compressible, moves_by_point, consistent_mass, .. } = explicit(s);
+    let Discretisation { frame, basis, .. } = Discretisation::of(s);
+    let mut refuse = |wrong: bool, key: &str, message: &str, help: &str| {
+        if wrong {
+            errors.push(s.error(key, message).help(help));
+        }
+    };
+    let (total, flip) = (frame == Frame::Total, transfer == Transfer::Flip(1.0));
+    let symplectic = scheme.is_symplectic();
+    let add_frame = "add \"frame\": \"total_lagrangian\"";
+    refuse(symplectic && !total, "scheme_type", "needs the total Lagrangian frame", add_frame);
+    refuse(
+        symplectic && !flip,
+        "transfer",
+        "must be \"flip\" with flip_fraction 1: PIC dissipates",
+        "or forward_euler",
+    );
+    refuse(total && !compressible, "compressible", "must be true in the total Lagrangian frame", "leave it out");
+    refuse(moves_by_point && !total, "position_update", "\"point\" is for the total Lagrangian frame", add_frame);
+    let musl = scheme == Scheme::ModifiedUpdateStressLast;
+    let help =
+        "forward_euler with stress_update \"musl\", velocity_verlet or yoshida, and \"flip\" with flip_fraction 1";
+    refuse(
+        consistent_mass && !((symplectic || musl) && flip),
+        "consistent_mass_matrix",
+        "does not go with this scheme or transfer",
+        help,
+    );
+    let affine = matches!(transfer, Transfer::Apic | Transfer::Tpic);
+    let axisymmetric = s.flag("axis_symmetric_flag");
+    refuse(affine && axisymmetric, "transfer", "an affine transfer is not for axisymmetric scenes", "use \"flip\"");
+    refuse(
+        transfer == Transfer::Apic && matches!(basis, Basis::Lagrange(degree) if degree > 1),
+        "transfer",
+        "\"apic\" does not exist for Lagrange polynomials of degree 2 and more: they reproduce quadratics",
+        "use \"flip\" or \"b_spline\"",
+    );
+    refuse(
+        affine && scheme == Scheme::CentralDifference,
+        "transfer",
+        "an affine transfer needs forward_euler",
+        "set scheme_type to \"forward_euler\"",
+    );
+    refuse(
+        !flip && scheme == Scheme::CentralDifference,
+        "transfer",
+        "central_difference has \"flip\" with flip_fraction 1",
+        "set scheme_type to \"forward_euler\"",
+    );
 }
 
 /// Newton's method; energy is kept as well as the equations are solved, so that a scheme that conserves

@@ -26,6 +26,17 @@ pub struct ConsistentMass<'a> {
 }
 
 impl ConsistentMass<'_> {
+    /// A system with the pattern of the mass.
+    pub fn system(&self) -> System {
+        let (mut numbers, mut starts) = (Vec::new(), vec![0]);
+        for &cell in &self.active.cells {
+            let of_cell = self.space.nodes_of(cell as usize).iter().filter_map(|&node| self.dofs.number(node));
+            numbers.extend(of_cell.map(|number| number as u32));
+            starts.push(numbers.len() as u32);
+        }
+        System::new(self.dofs.block(), self.dofs.nodes().len(), numbers, starts)
+    }
+
     /// Completes `velocity`, in which the fixed dofs stand, by the nearest velocity of the others.
     ///
     /// # Errors
