@@ -21,7 +21,7 @@ pub struct Motion<R> {
 pub fn deform<R: Real>(before: &Tensor<R>, step: &Tensor<R>, frame: Frame, faults: KratosFaults) -> Motion<R> {
     match frame {
         Frame::Updated => {
-            let increment = faults.increment(step).unwrap_or(*step);
+            let increment = if let Some(increment) = faults.increment(step) { increment } else { *step };
             Motion { gradient: sum(before, &product(&increment, before)), step: *step }
         }
         Frame::Total => Motion { gradient: sum(before, step), step: product(step, &inverse(before)) },

@@ -74,19 +74,25 @@ impl KratosFaults {
     /// `step` is Δt times the velocity gradient. None without the fault.
     #[inline(always)]
     pub fn increment<R: Real>(self, step: &Tensor<R>) -> Option<Tensor<R>> {
-        self.0.then(|| {
-            let turned = transpose(step);
-            let (mut rate, mut spin) = (*step, *step);
-            for i in 0..3 {
-                for j in 0..3 {
-                    rate[i][j] = (step[i][j] + turned[i][j]) * 0.5;
-                    spin[i][j] = (step[i][j] - turned[i][j]) * 0.5;
-                }
+        // No closure: that would not be compiled for the vectors' machine (see `bia_kernel::lanes`).
+        if !self.0 {
+            return None;
+        }
+        let turned = transpose(step);
+        let (mut rate, mut spin) = (*step, *step);
+        for i in 0..3 {
+            for j in 0..3 {
+                rate[i][j] = (step[i][j] + turned[i][j]) * 0.5;
+                spin[i][j] = (step[i][j] - turned[i][j]) * 0.5;
             }
-            let (forward, backward) = (product(&rate, &spin), product(&spin, &rate));
-            (0..3).for_each(|i| (0..3).for_each(|j| rate[i][j] += forward[i][j] - backward[i][j]));
-            rate
-        })
+        }
+        let (forward, backward) = (product(&rate, &spin), product(&spin, &rate));
+        for i in 0..3 {
+            for j in 0..3 {
+                rate[i][j] += forward[i][j] - backward[i][j];
+            }
+        }
+        Some(rate)
     }
 
     /// The deformation gradient that laws take for that of the step's start: Kratos never commits
