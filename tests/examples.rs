@@ -58,7 +58,9 @@ fn assert_close(found: f64, expected: f64, relative: f64) {
 fn each_example_has_its_number() {
     let folders = std::fs::read_dir(examples()).unwrap().map(|entry| entry.unwrap());
     let found: BTreeSet<String> = folders.map(|entry| entry.file_name().into_string().unwrap()).collect();
-    let tested = ["cantilever", "cook", "falling_block", "falling_disc"].map(String::from);
+    let tested =
+        ["cantilever", "colliding_discs", "cook", "cube_million", "falling_block", "falling_disc", "rotating_body"];
+    let tested = tested.map(String::from);
     assert_eq!(found, BTreeSet::from(tested), "a new example needs a test of its number in this file");
     for name in found {
         assert!(examples().join(&name).join("README.md").is_file(), "{name} has no README.md");
@@ -133,4 +135,48 @@ fn the_disc_has_the_mass_of_a_polygon_and_falls_freely() {
         let fallen = 0.7 - 0.5 * GRAVITY * number(state, "/time").powi(2);
         assert_close(number(state, "/sums/com/1"), fallen, 1e-10);
     }
+}
+
+#[test]
+fn the_discs_keep_momentum_and_energy() {
+    let record = run("colliding_discs", 32);
+    let states = states(&record);
+    let (mass, start) = (number(&states[0], "/sums/mass"), number(&states[0], "/energies/total"));
+    assert_close(start, 2.513274122871835, 3e-3); // ρ π R² v² of circles, here polygons
+    for state in states {
+        for a in 0..2 {
+            assert!(number(state, &format!("/sums/momentum/{a}")).abs() < 1e-12 * mass * 0.1);
+        }
+        assert!(number(state, "/sums/angular_momentum/2").abs() < 1e-12 * mass * 0.1);
+        assert_close(number(state, "/energies/total"), start, 5e-3);
+        // Free flight until the discs share cells.
+        if number(state, "/time") < 1.2 {
+            assert_close(number(state, "/energies/kinetic"), start, 1e-12);
+        }
+    }
+    let least = states.iter().map(|state| number(state, "/energies/kinetic")).fold(f64::INFINITY, f64::min);
+    assert!(least < 0.1 * start && number(states.last().unwrap(), "/energies/kinetic") > 0.9 * start, "{least}");
+}
+
+#[test]
+fn the_rotating_body_keeps_energy_and_angular_momentum() {
+    let record = run("rotating_body", 30);
+    let moment = 500.0 * (2.0 * 2.0 + 0.25 * 0.25) / 12.0;
+    for state in states(&record) {
+        assert_close(number(state, "/energies/total"), 0.5 * moment * 10.0 * 10.0, 1e-4);
+        assert_close(number(state, "/sums/angular_momentum/2"), moment * 10.0, 1e-12);
+    }
+    assert!(states(&record).iter().any(|state| number(state, "/energies/strain") > 100.0), "the beam must stretch");
+}
+
+/// It takes too long for a test: what it consists of is checked alone.
+#[test]
+fn the_cube_has_a_million_points_and_only_the_columns_it_needs() {
+    let project = examples().join("cube_million/ProjectParameters.json");
+    let checked = Command::new(env!("CARGO_BIN_EXE_bia")).arg("check").arg(project).output().unwrap();
+    let text = String::from_utf8_lossy(&checked.stdout);
+    assert!(checked.status.success(), "{text}{}", String::from_utf8_lossy(&checked.stderr));
+    assert!(text.contains("1000000 points") && text.contains("mass 1.000000e3 kg"), "{text}");
+    let columns = text.lines().find_map(|line| line.trim().strip_prefix("columns in use")).map(str::trim);
+    assert_eq!(columns, Some("position, velocity, mass, deformation gradient, Cauchy stress, volume"));
 }
