@@ -15,12 +15,17 @@ fn examples() -> PathBuf {
 
 /// Runs an example into a folder of its own and returns its record with this many states.
 fn run(name: &str, states: usize) -> Value {
+    run_file(name, "ProjectParameters.json", states)
+}
+
+/// The same of one of its files.
+fn run_file(name: &str, file: &str, states: usize) -> Value {
     let output = tempfile::tempdir().unwrap();
     let record = output.path().join("record.json");
     let mut command = Command::new(env!("CARGO_BIN_EXE_bia"));
     command.args(["run", "--quiet", "--threads", "1", "--record-states", &states.to_string()]);
     command.arg("--record").arg(&record).arg("--output").arg(output.path());
-    let ended = command.arg(examples().join(name).join("ProjectParameters.json")).output().unwrap();
+    let ended = command.arg(examples().join(name).join(file)).output().unwrap();
     assert!(ended.status.success(), "{name}: {}", String::from_utf8_lossy(&ended.stderr));
     assert!(holds_vtk(output.path()), "{name} writes no VTK file");
     let record: Value = serde_json::from_str(&std::fs::read_to_string(record).unwrap()).unwrap();
@@ -58,8 +63,18 @@ fn assert_close(found: f64, expected: f64, relative: f64) {
 fn each_example_has_its_number() {
     let folders = std::fs::read_dir(examples()).unwrap().map(|entry| entry.unwrap());
     let found: BTreeSet<String> = folders.map(|entry| entry.file_name().into_string().unwrap()).collect();
-    let tested =
-        ["cantilever", "colliding_discs", "cook", "cube_million", "falling_block", "falling_disc", "rotating_body"];
+    let tested = [
+        "cantilever",
+        "colliding_discs",
+        "cook",
+        "cube_million",
+        "falling_block",
+        "falling_disc",
+        "rotating_body",
+        "tlmpm_column",
+        "tlmpm_energy",
+        "tlmpm_step_bar",
+    ];
     let tested = tested.map(String::from);
     assert_eq!(found, BTreeSet::from(tested), "a new example needs a test of its number in this file");
     for name in found {
@@ -179,4 +194,37 @@ fn the_cube_has_a_million_points_and_only_the_columns_it_needs() {
     assert!(text.contains("1000000 points") && text.contains("mass 1.000000e3 kg"), "{text}");
     let columns = text.lines().find_map(|line| line.trim().strip_prefix("columns in use")).map(str::trim);
     assert_eq!(columns, Some("position, velocity, mass, deformation gradient, Cauchy stress, volume"));
+}
+
+/// Displacement of the last point along x.
+fn last_displacement(state: &Value) -> f64 {
+    rows(state, "mp", "MP_DISPLACEMENT").last().unwrap()[0]
+}
+
+#[test]
+fn the_column_is_where_equilibrium_has_it() {
+    let last = |file: &str| last_displacement(states(&run_file("tlmpm_column", file, 1)).last().unwrap());
+    // u(0.0975 m) of the exact equilibrium; the source's update is wrong by 5 % of u(L).
+    assert_close(last("ProjectParameters.json"), -0.0571596843, 1e-6);
+    let wrong = (last("ProjectParameters_document.json") + 0.0571596843) / -0.05862504;
+    assert_close(wrong, 0.05, 0.02);
+}
+
+#[test]
+fn the_step_loaded_bar_swings_by_twice_its_static_displacement() {
+    let record = run("tlmpm_step_bar", 250);
+    let peak = states(&record).iter().map(last_displacement).fold(0.0, f64::min);
+    // The last point stands 0.013 mm before the end; the states are 0.0008 ms apart.
+    assert_close(peak, -0.0508, 0.03);
+}
+
+#[test]
+fn the_swinging_bar_keeps_its_energy_with_one_scheme_and_loses_it_with_the_other() {
+    let energy = |state: &Value| number(state, "/energies/kinetic") + number(state, "/energies/strain");
+    let conserving = run("tlmpm_energy", 500);
+    for state in states(&conserving) {
+        assert_close(energy(state), 5e-5, 1e-7);
+    }
+    let document = run_file("tlmpm_energy", "ProjectParameters_document.json", 1);
+    assert_close(energy(states(&document).last().unwrap()) / 5e-5, 0.954, 1e-3);
 }

@@ -10,6 +10,7 @@
 
 mod cells;
 mod chunk;
+mod courant;
 mod kinematics;
 mod kratos_faults;
 mod limits;
@@ -49,6 +50,8 @@ use search::Search;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+/// Steps between two looks at how far points are compressed.
+const SURVEY: usize = 8;
 const SEARCH: usize = 0;
 const TO_GRID: usize = 1;
 const TO_POINTS: usize = 2;
@@ -66,6 +69,8 @@ pub struct Explicit {
     /// The consistent mass, where it is wanted.
     system: Option<System>,
     limits: Limits,
+    /// Steps since the compression was last surveyed.
+    surveyed: usize,
     /// Nodal variables that someone reads.
     shown: Vec<&'static str>,
     stages: [(&'static str, Duration); 3],
@@ -79,7 +84,7 @@ impl Explicit {
         let Discretisation { frame, basis, .. } = settings.discretisation;
         // Kratos knows neither the total frame nor other functions.
         let faults = KratosFaults(options.kratos_exact && frame == Frame::Updated && basis == Basis::Mesh);
-        let courant = limits::courant_limit(explicit.scheme, basis, explicit.consistent_mass);
+        let courant = courant::limit(&explicit, settings.discretisation, settings.dimension);
         Self {
             scene: Scene::new(settings, options),
             settings: explicit,
@@ -90,7 +95,8 @@ impl Explicit {
             patches: Patches::default(),
             nodes: Nodes::default(),
             system: None,
-            limits: Limits { courant, ..Limits::default() },
+            limits: Limits::of(courant),
+            surveyed: 0,
             shown: Vec::new(),
             stages: ["search", "points to grid", "grid to points"].map(|name| (name, Duration::ZERO)),
             told_step: false,
@@ -276,7 +282,13 @@ impl Solver for Explicit {
         Ok(())
     }
 
-    fn time_step(&mut self, _: &Model, clock: &Clock) -> Result<f64, Error> {
+    fn time_step(&mut self, model: &Model, clock: &Clock) -> Result<f64, Error> {
+        if let (Frame::Total, Some(points)) = (self.frame(), points_of(model)) {
+            if self.surveyed.is_multiple_of(SURVEY) {
+                self.limits.shortening = stability::shortening(points);
+            }
+            self.surveyed += 1;
+        }
         // Before the run nothing is known that bounds the step.
         let stable = if self.active.cells.is_empty() { f64::INFINITY } else { self.limits.stable_step() };
         let stepping = &self.scene.settings.stepping;
@@ -298,8 +310,7 @@ impl Solver for Explicit {
             let begin = Instant::now();
             self.update_active(points, grid, time_step)?;
             self.stages[SEARCH].1 += begin.elapsed();
-            self.start(points, grid, time_step);
-            Ok(())
+            self.start(points, grid, time_step)
         })
     }
 

@@ -29,11 +29,14 @@ const YOSHIDA: [f64; 3] = [1.351_207_191_959_657_6, -1.702_414_383_919_315_3, 1.
 
 impl Explicit {
     /// Takes momentum, and forces unless stresses come first, to the grid.
-    pub(super) fn start(&mut self, points: &MaterialPoints, grid: &ModelPart, time_step: f64) {
+    ///
+    /// # Errors
+    /// A function of negative mass.
+    pub(super) fn start(&mut self, points: &MaterialPoints, grid: &ModelPart, time_step: f64) -> Result<(), Error> {
         self.nodes.start(grid, &self.scene.space, time_step, self.faults);
         let wanted = if self.updates_stress_first() { Wanted::Momentum } else { Wanted::Both };
         self.gather(points, wanted, time_step);
-        self.nodes.weigh(self.faults);
+        Ok(self.nodes.weigh(self.faults)?)
     }
 
     /// The acceleration of the grid, and its velocity after it.
