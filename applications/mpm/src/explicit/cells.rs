@@ -26,6 +26,9 @@ pub struct AffineMap<const D: usize> {
 
 /// Functions of the cells of a space, by type.
 pub trait CellOf<'a, const D: usize, const N: usize>: PlacedBasis<D, N> {
+    /// Functions of a mesh's own cells: Kratos has no others, and no faults with them.
+    const OF_MESH: bool;
+
     /// Those of one cell; none if it has another type.
     fn of(space: &'a Space, cell: usize) -> Option<Self>;
 
@@ -45,6 +48,8 @@ pub struct Cell<B, const D: usize, const N: usize> {
 }
 
 impl<'a, S: CellShape<D, N>, const D: usize, const N: usize> CellOf<'a, D, N> for MeshCell<S, D, N> {
+    const OF_MESH: bool = true;
+
     #[inline(always)]
     fn of(space: &'a Space, cell: usize) -> Option<Self> {
         Some(Self::new(space.corners(cell)))
@@ -71,6 +76,8 @@ impl<'a, S: CellShape<D, N>, const D: usize, const N: usize> CellOf<'a, D, N> fo
 }
 
 impl<'a, const D: usize, const N: usize, const P1: usize> CellOf<'a, D, N> for TensorCell<'a, D, N, P1> {
+    const OF_MESH: bool = false;
+
     #[inline(always)]
     fn of(space: &'a Space, cell: usize) -> Option<Self> {
         match space.functions() {

@@ -107,7 +107,7 @@ impl Explicit {
     /// Finds the points' cells; numbers the nodes again if the cells have changed.
     fn update_active(&mut self, points: &mut MaterialPoints, grid: &ModelPart, time_step: f64) -> Result<(), Error> {
         let frame = self.frame();
-        let mut moved = self.search.find(&mut self.scene, points, frame)?;
+        let mut moved = self.search.find(&mut self.scene, points, frame, self.faults)?;
         if self.settings.leave_edges {
             self.leave_edges(points, grid, time_step);
             moved = true;
@@ -360,7 +360,7 @@ impl Solver for Explicit {
     }
 
     fn snapshot(&self, model: &Model, out: &mut JsonObject) -> std::io::Result<()> {
-        crate::record::snapshot(model, out)
+        crate::record::snapshot(model, self.settings.transfer == Transfer::Apic, out)
     }
 
     fn stages(&self) -> Vec<(&'static str, Duration)> {

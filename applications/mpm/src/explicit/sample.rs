@@ -10,7 +10,7 @@ use crate::grid::{numbers, vectors_of};
 use crate::space::{Space, with_basis};
 use bia_constitutive::Kinematics;
 use bia_constitutive::tensor::Tensor;
-use bia_kernel::lanes::{Lanes, Pack, Real, WIDTH};
+use bia_kernel::lanes::{Lanes, Pack, Real, WIDTH, dispatch, turns};
 use bia_kernel::solving::ActiveDofs;
 use pulp::Simd;
 use std::marker::PhantomData;
@@ -109,7 +109,8 @@ impl Samples {
         for (range, first) in kinds(chunk.cell, grid.space) {
             with_basis!(grid.space, first, |basis, D, N| {
                 let samples = &mut *self;
-                grid.arch.dispatch(Take::<_, D, N> { chunk, range, grid, fields, samples, basis: type_of(&basis) });
+                let task = Take::<_, D, N> { chunk, range, grid, fields, samples, basis: type_of(&basis) };
+                dispatch(grid.arch, task);
             }, else ());
         }
         &self.samples[..self.len]
@@ -236,7 +237,7 @@ pub fn places<const D: usize, const N: usize>(
 ) -> [[f64; D]; N] {
     let mut places = space.corners::<D, N>(cell);
     let moved = vectors_of::<D, N>(numbers, displacement);
-    for i in 0..N {
+    for i in 0..turns::<N>() {
         for a in 0..D {
             places[i][a] += moved[i][a];
         }
@@ -254,7 +255,7 @@ fn moments<S: Simd, const D: usize, const N: usize>(
 ) {
     for b in 0..D {
         let mut column = [position[0].constant(0.0); D];
-        for i in 0..N {
+        for i in 0..turns::<N>() {
             let lever = functions[i] * (position[b].constant(nodal.places[i][b]) - position[b]);
             for a in 0..D {
                 column[a] += lever * nodal.smooth[i][a];
@@ -280,7 +281,9 @@ impl Grid<'_> {
         if with_gradients {
             gradients = cell.basis.gradients(xi);
         }
-        self.faults.misalign_lanes(&mut functions, &mut gradients);
+        if B::OF_MESH {
+            self.faults.misalign_lanes(&mut functions, &mut gradients);
+        }
         (functions, gradients)
     }
 
@@ -297,7 +300,7 @@ impl Grid<'_> {
     ) {
         let zero = xi[0].constant(0.0);
         let mut local = [[zero; D]; D];
-        for i in 0..N {
+        for i in 0..turns::<N>() {
             for a in 0..D {
                 for c in 0..D {
                     local[a][c] += gradients[i][c] * velocity[i][a];
@@ -317,7 +320,7 @@ impl Grid<'_> {
         }
         if D == 2 && self.kinematics == Kinematics::Axisymmetric {
             let mut radial = zero;
-            for i in 0..N {
+            for i in 0..turns::<N>() {
                 radial += functions[i] * velocity[i][0];
             }
             (radial / cell.radius(xi)).store(&mut out[2][2]);
@@ -334,7 +337,7 @@ fn interpolate<S: Simd, const D: usize, const N: usize>(
 ) {
     for a in 0..D {
         let mut sum = functions[0] * values[0][a];
-        for i in 1..N {
+        for i in 1..turns::<N>() {
             sum += functions[i] * values[i][a];
         }
         sum.store(&mut out[a]);

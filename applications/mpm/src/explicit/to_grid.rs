@@ -14,7 +14,7 @@ use crate::settings::Frame;
 use crate::space::{Space, with_basis};
 use bia_constitutive::Kinematics;
 use bia_constitutive::tensor::Tensor;
-use bia_kernel::lanes::{Lanes, Pack, WIDTH};
+use bia_kernel::lanes::{Lanes, Pack, WIDTH, dispatch, turns};
 use bia_kernel::solving::ActiveDofs;
 use bia_kernel::solving::ordered::in_order;
 use pulp::Simd;
@@ -144,7 +144,7 @@ impl Gather<'_> {
                 places = rest;
                 let task =
                     Cells::<_, D, N> { gather: self, cells, places: of_run, wanted, sums, basis: type_of(&basis) };
-                self.arch.dispatch(task);
+                dispatch(self.arch, task);
             }, else ());
         }
     }
@@ -164,7 +164,7 @@ struct Cells<'a, 's, B, const D: usize, const N: usize> {
 const RECORD: usize = 8;
 
 /// Share of the spread of a cell's nodes about a point that is added to it, so that it has an inverse.
-const TINY: f64 = 1e-14;
+const TINY: f64 = f64::EPSILON;
 
 /// An affine velocity field about points.
 struct AffineField<S: Simd, const D: usize, const N: usize> {
@@ -345,7 +345,7 @@ impl<'a, B: CellOf<'a, D, N>, const D: usize, const N: usize> Cells<'a, '_, B, D
             position = cell.basis.position(&xi, &at.all);
         }
         let (mut lever, mut spread) = ([[zero; D]; N], [[zero; 3]; 3]);
-        for i in 0..N {
+        for i in 0..turns::<N>() {
             for a in 0..D {
                 lever[i][a] = zero + places[i][a] - position[a];
             }
@@ -392,7 +392,9 @@ impl<'a, B: CellOf<'a, D, N>, const D: usize, const N: usize> Cells<'a, '_, B, D
         }
         let axisymmetric = self.gather.kinematics == Kinematics::Axisymmetric;
         let radius = if axisymmetric { cell.radius(&xi) } else { zero };
-        self.gather.faults.misalign_lanes(&mut functions, &mut gradients);
+        if B::OF_MESH {
+            self.gather.faults.misalign_lanes(&mut functions, &mut gradients);
+        }
         AtPoints { all, functions, gradients, inverse, radius }
     }
 

@@ -219,6 +219,20 @@ impl SolverSettings {
             .collect()
     }
 
+    /// When in a step the forces act that move the points, as a share of it: with the deformation at
+    /// its start, in its middle or at its end. Of kick, drift and kick, the mean of both kicks.
+    pub fn force_time(&self) -> f64 {
+        match &self.explicit {
+            Some(explicit) => match explicit.scheme {
+                Scheme::UpdateStressFirst | Scheme::CentralDifference => 1.0,
+                Scheme::UpdateStressLast | Scheme::ModifiedUpdateStressLast => 0.0,
+                Scheme::VelocityVerlet | Scheme::Yoshida => 0.5,
+            },
+            None if self.conserves_energy => 0.5,
+            None => 1.0,
+        }
+    }
+
     /// The linear solver for symmetric or unsymmetric tangents.
     ///
     /// # Errors
