@@ -1,6 +1,7 @@
 //! The largest stable step of explicit schemes: c Δt/h on a bar of ten cells.
 
 use super::bar::{Bar, CUBIC, Functions, HATS, LINEAR, QUADRATIC, SPLINE, explicit};
+use super::common::{Cell, Mesh, Scene, material, process};
 use serde_json::{Value, json};
 
 /// A bar with c = 1 that starts with a velocity of all wavelengths.
@@ -104,6 +105,54 @@ fn the_automatic_step_is_stable_and_not_wasteful() {
         let energies: Vec<f64> = record.states().iter().map(|s| s.energy("kinetic") + s.energy("strain")).collect();
         assert!(energies.iter().all(|e| e / energies[0] < 20.0), "{functions:?}, {members}: {energies:?}");
     }
+}
+
+/// In the plane and in space waves of shear and pressure add up: the limits are lower.
+#[test]
+fn the_automatic_step_is_stable_in_the_plane_and_in_space() {
+    let bases = [("mesh", 1, 2), ("lagrange", 2, 3), ("b_spline", 2, 3), ("b_spline", 3, 3)];
+    let consistent = json!({"scheme_type": "velocity_verlet", "consistent_mass_matrix": true});
+    let choices = [
+        json!({}),
+        json!({"flip_fraction": 0.0}),
+        json!({"stress_update": "usl"}),
+        consistent,
+        json!({"transfer": "apic"}),
+    ];
+    for cell in [Cell::Quadrilateral, Cell::Hexahedron] {
+        for (basis, order, points) in bases {
+            for members in &choices {
+                if (basis, &members["transfer"]) == ("lagrange", &json!("apic")) {
+                    continue;
+                }
+                let cells = if cell == Cell::Quadrilateral { 5 } else { 3 };
+                let mut solver = explicit(members.clone());
+                solver.as_object_mut().unwrap().extend(
+                    json!({"solver_type": "dynamic", "frame": "total_lagrangian", "basis": basis, "basis_order": order,
+                           "point_placement": "even", "time_stepping": {"time_step": "auto", "courant_number": 1.0}})
+                    .as_object()
+                    .unwrap()
+                    .clone(),
+                );
+                let block = Mesh::block(cell, [cells; 3], [0.0; 3], [cells as f64; 3]);
+                let law = cell.law("HyperElasticNeoHookeanPlaneStrain2DLaw", "HyperElasticNeoHookean3DLaw");
+                let count = points_of(cell, points);
+                let wave = "1e-4*sin(37*x*x + 29*y + 11*z)";
+                let velocity = json!({"model_part_name": "MPM_Material", "value": [wave, wave, wave]});
+                let record = Scene::new(block.clone(), block, material(law, count, 1.0, 0.5, 0.4), solver, 150.0)
+                    .with(process("assign_initial_velocity_field_to_material_point_process", velocity))
+                    .run(&["--record-states", "3"]);
+                let energies: Vec<f64> =
+                    record.states().iter().map(|s| s.energy("kinetic") + s.energy("strain")).collect();
+                let grown = energies.iter().copied().fold(0.0, f64::max) / energies[0];
+                assert!(grown < 20.0, "{cell:?} {basis} {order} {members}: energy grows {grown:e} times");
+            }
+        }
+    }
+}
+
+fn points_of(cell: Cell, each_way: usize) -> usize {
+    each_way.pow(cell.dimension() as u32)
 }
 
 /// What no step makes stable is refused: projections with functions that change sign amplify.
