@@ -5,7 +5,7 @@ use bia_constitutive::Law;
 use bia_kernel::variables::Column;
 
 /// Points a thread takes at a time.
-const POINTS: usize = 128;
+const POINTS: usize = 1024;
 
 /// Some consecutive points of a block. Columns that are not used are empty.
 pub struct Chunk<'a> {
@@ -37,32 +37,6 @@ pub struct Chunk<'a> {
     pub volume: &'a mut [f64],
     /// What the transfer keeps.
     pub transfer: &'a mut [f64],
-}
-
-impl Chunk<'_> {
-    /// Reads a number of each cache line: many reads wait for the memory together, while the strokes
-    /// would wait for one after the other.
-    pub fn warm(&self) {
-        let mut bits = [0u64; 4];
-        for column in [
-            &*self.gradient,
-            self.position,
-            self.velocity,
-            self.stress,
-            self.mass,
-            self.volume,
-            self.strain,
-            self.displacement,
-        ] {
-            let mut lines = column.chunks(32);
-            for group in &mut lines {
-                for (bits, line) in bits.iter_mut().zip(group.chunks(8)) {
-                    *bits |= line[0].to_bits();
-                }
-            }
-        }
-        std::hint::black_box(bits);
-    }
 }
 
 /// A block taken apart.
