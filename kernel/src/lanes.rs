@@ -15,6 +15,31 @@ use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssi
 /// Most lanes that any machine has.
 pub const WIDTH: usize = 8;
 
+/// The number of turns of a loop; where they are many, hidden from the compiler, which else writes
+/// them all out and takes minutes for it.
+#[inline(always)]
+pub fn turns<const N: usize>() -> usize {
+    if N > 8 { std::hint::black_box(N).min(N) } else { N }
+}
+
+/// Runs an operation with the widest vectors of the machine. A function of its own for each operation:
+/// many of them inlined into one take the compiler minutes.
+#[inline(never)]
+pub fn dispatch<O: pulp::WithSimd>(arch: pulp::Arch, operation: O) -> O::Output {
+    arch.dispatch(operation)
+}
+
+/// Asks for numbers ahead of their use: the memory brings them while the work goes on.
+#[inline(always)]
+pub fn prefetch(numbers: &[f64]) {
+    #[cfg(target_arch = "x86_64")]
+    for line in numbers.chunks(8) {
+        safe_arch::prefetch_t0(&line[0]);
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = numbers;
+}
+
 /// A real number, or several in step.
 pub trait Real:
     Copy

@@ -1,5 +1,6 @@
 //! The background grid as loops over its cells see it.
 
+use bia_kernel::lanes::turns;
 use bia_kernel::model::ModelPart;
 use bia_kernel::solving::ActiveDofs;
 use bia_kernel::variables::Variable;
@@ -63,7 +64,7 @@ pub fn numbers<const N: usize>(dofs: &ActiveDofs, nodes: &[u32]) -> [usize; N] {
 pub fn vectors_of<const D: usize, const N: usize>(numbers: &[usize; N], values: &[f64]) -> [[f64; D]; N] {
     let mut vectors = [[0.0; D]; N];
     if !values.is_empty() {
-        for i in 0..N {
+        for i in 0..turns::<N>() {
             vectors[i].copy_from_slice(&values[numbers[i] * D..(numbers[i] + 1) * D]);
         }
     }

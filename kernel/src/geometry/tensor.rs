@@ -7,7 +7,7 @@
 
 use super::polynomials::AxisBasis;
 use super::{CellBasis, PlacedBasis, RegularGrid};
-use crate::lanes::Real;
+use crate::lanes::{Real, turns};
 use std::array::from_fn;
 
 /// Values at a crossing that are rounding only.
@@ -242,7 +242,7 @@ impl<const D: usize, const N: usize, const P1: usize> TensorCell<'_, D, N, P1> {
             let mut of_axis = values;
             of_axis[j] = slopes[j];
             let column = Self::product(&of_axis);
-            for a in 0..N {
+            for a in 0..turns::<N>() {
                 gradients[a][j] = column[a];
             }
         }
@@ -256,7 +256,7 @@ impl<const D: usize, const N: usize, const P1: usize> TensorCell<'_, D, N, P1> {
         let mut product = [factors[0][0]; N];
         // Axis by axis, so that each plane's products are formed once.
         product[..P1].copy_from_slice(&factors[0]);
-        let mut filled = P1;
+        let mut filled = if N > 8 { std::hint::black_box(P1).min(P1) } else { P1 };
         for of_axis in &factors[1..] {
             for b in (0..P1).rev() {
                 for a in 0..filled {

@@ -12,7 +12,7 @@ use crate::settings::Frame;
 use crate::space::Space;
 use bia_constitutive::tensor::Tensor;
 use bia_kernel::geometry::CellBasis;
-use bia_kernel::lanes::{Lanes, Pack, Real, WIDTH};
+use bia_kernel::lanes::{Lanes, Pack, Real, WIDTH, turns};
 use pulp::Simd;
 
 /// Share of the spread of a cell's nodes about a point that is added to it, so that it has an inverse.
@@ -38,7 +38,7 @@ fn places<const D: usize, const N: usize>(
         *of_node = number as usize;
     }
     let moved = vectors_of::<D, N>(&of_nodes, displacement);
-    for i in 0..N {
+    for i in 0..turns::<N>() {
         for a in 0..D {
             places[i][a] += moved[i][a];
         }
@@ -100,7 +100,7 @@ impl<'a, B: CellOf<'a, D, N>, const D: usize, const N: usize> pulp::WithSimd for
         let xi = if cell.is_stored() { rows.load(simd, block.local.values()) } else { cell.local(&position) };
         let functions = cell.basis.functions(&xi);
         let AffineField { lever, gradient } = self.field(simd, &xi, position, &functions);
-        for i in 0..N {
+        for i in 0..turns::<N>() {
             let share = functions[i] * mass;
             for a in 0..D {
                 let mut velocity = gradient[a][0] * lever[i][0];
@@ -136,7 +136,7 @@ impl<'a, B: CellOf<'a, D, N>, const D: usize, const N: usize> AddAffine<'a, '_, 
             position = self.cell.basis.position(xi, functions);
         }
         let (mut lever, mut spread) = ([[zero; D]; N], [[zero; 3]; 3]);
-        for i in 0..N {
+        for i in 0..turns::<N>() {
             for a in 0..D {
                 lever[i][a] = zero + places[i][a] - position[a];
             }
@@ -209,7 +209,7 @@ impl<B: CellBasis<D, N>, const D: usize, const N: usize> pulp::WithSimd for Mome
         let functions = basis.functions(&xi);
         for b in 0..D {
             let mut column = [position[0].constant(0.0); D];
-            for i in 0..N {
+            for i in 0..turns::<N>() {
                 let lever = functions[i] * (position[b].constant(places[i][b]) - position[b]);
                 for a in 0..D {
                     column[a] += lever * velocity[numbers[i] as usize * D + a];

@@ -29,6 +29,9 @@ pub struct AffineMap<const D: usize> {
 
 /// Functions of the cells of a space, by type.
 pub trait CellOf<'a, const D: usize, const N: usize>: PlacedBasis<D, N> + Modes<D, N> {
+    /// Functions of a mesh's own cells: Kratos has no others, and no faults with them.
+    const OF_MESH: bool;
+
     /// Those of one cell; none if it has another type. Without its place they know values and local
     /// gradients only.
     fn of(space: &'a Space, cell: usize, placed: bool) -> Option<Self>;
@@ -49,6 +52,8 @@ pub struct Cell<B, const D: usize, const N: usize> {
 }
 
 impl<'a, S: Monomials<D, N>, const D: usize, const N: usize> CellOf<'a, D, N> for MeshCell<S, D, N> {
+    const OF_MESH: bool = true;
+
     #[inline(always)]
     fn of(space: &'a Space, cell: usize, placed: bool) -> Option<Self> {
         Some(Self::new(if placed { space.corners(cell) } else { [[0.0; D]; N] }))
@@ -75,6 +80,8 @@ impl<'a, S: Monomials<D, N>, const D: usize, const N: usize> CellOf<'a, D, N> fo
 }
 
 impl<'a, const D: usize, const N: usize, const P1: usize> CellOf<'a, D, N> for TensorCell<'a, D, N, P1> {
+    const OF_MESH: bool = false;
+
     #[inline(always)]
     fn of(space: &'a Space, cell: usize, _: bool) -> Option<Self> {
         match space.functions() {

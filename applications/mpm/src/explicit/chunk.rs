@@ -1,8 +1,11 @@
 //! Consecutive points of a block with the columns that a step changes: what one thread works on.
 
+use super::rows::prefetch_rows;
+use super::to_points::Strokes;
 use crate::points::Block;
 use bia_constitutive::Law;
 use bia_kernel::variables::Column;
+use std::ops::Range;
 
 /// Points a thread takes at a time.
 const POINTS: usize = 1024;
@@ -37,6 +40,23 @@ pub struct Chunk<'a> {
     pub volume: &'a mut [f64],
     /// What the transfer keeps.
     pub transfer: &'a mut [f64],
+}
+
+impl Chunk<'_> {
+    /// Asks for what strokes will read and write at points.
+    pub fn prefetch(&self, points: Range<usize>, strokes: Strokes) {
+        let of = |column: &[f64]| prefetch_rows(column, column.len() / self.cell.len().max(1), points.clone());
+        of(self.position);
+        if strokes.strain {
+            [&*self.gradient, &*self.volume, &*self.stress, &*self.strain, self.mass].into_iter().for_each(of);
+        }
+        if strokes.kick {
+            [&*self.velocity, &*self.acceleration].into_iter().for_each(of);
+        }
+        if strokes.drift {
+            of(self.displacement);
+        }
+    }
 }
 
 /// A block taken apart.

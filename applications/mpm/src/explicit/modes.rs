@@ -8,7 +8,7 @@
 use bia_kernel::geometry::{
     CellBasis, CellShape, Hexahedron8, Line2, MeshCell, Quadrilateral4, TensorCell, Tetrahedron4, Triangle3,
 };
-use bia_kernel::lanes::{Pack, Real};
+use bia_kernel::lanes::{Pack, Real, turns};
 
 /// Modes of a cell with `N` nodes in `D` dimensions.
 pub trait Modes<const D: usize, const N: usize>: Copy {
@@ -267,15 +267,17 @@ macro_rules! simplex {
 
             #[inline(always)]
             fn expand<R: Real>(nodal: &mut [R; $n]) {
+                let first = nodal[0];
                 for k in 1..$n {
-                    nodal[k] = nodal[k] - nodal[0];
+                    nodal[k] -= first;
                 }
             }
 
             #[inline(always)]
             fn collect<R: Real>(sums: &mut [R; $n]) {
                 for k in 1..$n {
-                    sums[0] = sums[0] - sums[k];
+                    let sum = sums[k];
+                    sums[0] -= sum;
                 }
             }
 
@@ -330,7 +332,7 @@ impl<const D: usize, const N: usize, const P1: usize> Modes<D, N> for TensorCell
     #[inline(always)]
     fn value<R: Real>((functions, _): &Self::At<R>, coefficients: &[Pack; N], entry: usize) -> R {
         let mut sum = functions[0] * coefficients[0].0[entry];
-        for i in 1..N {
+        for i in 1..turns::<N>() {
             sum += functions[i] * coefficients[i].0[entry];
         }
         sum
@@ -342,7 +344,7 @@ impl<const D: usize, const N: usize, const P1: usize> Modes<D, N> for TensorCell
         for c in 0..D {
             sum[c] = sum[c] * coefficients[0].0[entry];
         }
-        for i in 1..N {
+        for i in 1..turns::<N>() {
             for c in 0..D {
                 sum[c] += gradients[i][c] * coefficients[i].0[entry];
             }
@@ -353,7 +355,7 @@ impl<const D: usize, const N: usize, const P1: usize> Modes<D, N> for TensorCell
     #[inline(always)]
     fn weigh<R: Real>((functions, _): &Self::At<R>, q: R) -> [R; N] {
         let mut out = *functions;
-        for i in 0..N {
+        for i in 0..turns::<N>() {
             out[i] *= q;
         }
         out
@@ -362,7 +364,7 @@ impl<const D: usize, const N: usize, const P1: usize> Modes<D, N> for TensorCell
     #[inline(always)]
     fn pull<R: Real>((functions, gradients): &Self::At<R>, q: R, p: &[R; D]) -> [R; N] {
         let mut out = *functions;
-        for i in 0..N {
+        for i in 0..turns::<N>() {
             out[i] *= q;
             for c in 0..D {
                 out[i] -= gradients[i][c] * p[c];

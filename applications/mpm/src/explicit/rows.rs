@@ -1,8 +1,12 @@
 //! Rows of a point-major column as lanes, one neighbouring point in each.
 
-use bia_kernel::lanes::{Lanes, Pack, WIDTH};
+use bia_kernel::lanes::{Lanes, Pack, WIDTH, prefetch};
 use pulp::Simd;
 use std::ops::Range;
+
+/// Points that are asked of the memory ahead of the work on them: what is asked for waits in the
+/// first cache.
+pub const AHEAD: usize = 64;
 
 /// Widest rows.
 const MOST: usize = 9;
@@ -106,6 +110,12 @@ fn pad<const C: usize>(rows: &[f64], padded: &mut [f64; WIDTH * MOST]) {
 pub fn groups<S: Simd>(_: S, run: Range<usize>) -> impl Iterator<Item = Rows> {
     let width = Lanes::<S>::COUNT;
     run.clone().step_by(width).map(move |first| Rows { first, count: width.min(run.end - first) })
+}
+
+/// Asks for rows of a column ahead of their use.
+#[inline(always)]
+pub fn prefetch_rows(column: &[f64], width: usize, points: Range<usize>) {
+    prefetch(&column[(points.start * width).min(column.len())..(points.end * width).min(column.len())]);
 }
 
 #[cfg(test)]

@@ -13,7 +13,7 @@ use crate::active::NO_CELL;
 use crate::space::{Space, with_basis};
 use bia_constitutive::Kinematics;
 use bia_constitutive::tensor::Tensor;
-use bia_kernel::lanes::{Lanes, Pack, WIDTH};
+use bia_kernel::lanes::{Lanes, Pack, WIDTH, dispatch, turns};
 use pulp::Simd;
 use std::marker::PhantomData;
 
@@ -153,7 +153,8 @@ impl Samples {
         }
         with_basis!(grid.space, cell as usize, |basis, D, N| {
             let samples = &mut *self;
-            grid.arch.dispatch(Take::<_, D, N> { chunk, first, grid, fields, records, samples, basis: type_of(&basis) })
+            let task = Take::<_, D, N> { chunk, first, grid, fields, records, samples, basis: type_of(&basis) };
+            dispatch(grid.arch, task)
         }, else chunk.cell.len())
     }
 
@@ -220,7 +221,7 @@ impl<'a, B: CellOf<'a, D, N>, const D: usize, const N: usize> pulp::WithSimd for
                 (sample.rows, sample.cell) = (rows, cell.place());
                 let position = rows.load::<S, D>(simd, chunk.position);
                 let xi = if cell.is_stored() { rows.load(simd, chunk.local) } else { cell.local(&position) };
-                if grid.faults.misaligns(&cell.basis.functions(&xi)) {
+                if B::OF_MESH && grid.faults.misaligns(&cell.basis.functions(&xi)) {
                     misaligned(grid, fields, &cell, &packs(&xi), numbers, sample);
                 } else {
                     aligned(grid, fields, &cell, &xi, nodal, sample);
@@ -257,14 +258,14 @@ fn coefficients<S: Simd, B: Modes<D, N>, const D: usize, const N: usize>(
     let numbers = &numbers[..N];
     for part in (0..WIDTH).step_by(Lanes::<S>::COUNT) {
         let mut lanes = [Lanes::splat(simd, 0.0); N];
-        for i in 0..N {
+        for i in 0..turns::<N>() {
             lanes[i] = Lanes::load_slice(simd, &records[numbers[i] as usize].0[part..]);
             if B::SCALE != 1.0 {
                 lanes[i] = lanes[i] * B::SCALE;
             }
         }
         B::expand(&mut lanes);
-        for i in 0..N {
+        for i in 0..turns::<N>() {
             lanes[i].store_slice(&mut out[i].0[part..]);
         }
     }

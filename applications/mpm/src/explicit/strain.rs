@@ -8,7 +8,7 @@ use super::to_points::{AtPoint, Cause, Field};
 use crate::points::gradient_width;
 use bia_constitutive::tensor::{Tensor, adjugate, identity};
 use bia_constitutive::{Deformation, Group, Kinematics, Law, Voigt};
-use bia_kernel::lanes::{Lanes, Pack, WIDTH};
+use bia_kernel::lanes::{Lanes, Pack, WIDTH, dispatch};
 use nalgebra::Matrix3;
 use pulp::Simd;
 
@@ -53,7 +53,7 @@ impl Material<'_> {
     /// An inverted deformation, or a law without an answer.
     pub fn strain<const D: usize>(&self, chunk: &mut Chunk, samples: &[Sample], batch: &mut Batch) -> AtPoint<()> {
         for samples in samples.chunks(BATCH) {
-            self.field.grid.arch.dispatch(Strain::<D> { material: self, chunk, samples, batch })?;
+            dispatch(self.field.grid.arch, Strain::<D> { material: self, chunk, samples, batch })?;
             let (groups, stresses) = (&batch.groups[..samples.len()], &mut batch.stresses[..samples.len()]);
             if !self.law.stresses_in_step(groups, stresses) {
                 for k in 0..samples.len() {
@@ -61,7 +61,7 @@ impl Material<'_> {
                     batch.stresses[k] = self.one_by_one(chunk, samples[k].rows, group, before)?;
                 }
             }
-            self.field.grid.arch.dispatch(Answer::<D> { material: self, chunk, samples, batch });
+            dispatch(self.field.grid.arch, Answer::<D> { material: self, chunk, samples, batch });
             if !chunk.strain.is_empty() && !self.accumulates_strain(chunk) {
                 for k in 0..samples.len() {
                     self.show_strain(chunk, samples[k].rows, &batch.groups[k], &batch.before[k]);

@@ -4,7 +4,7 @@ use super::cells::{Cell, CellOf, Mapping};
 use super::kinematics::inverse as invert;
 use super::kratos_faults::KratosFaults;
 use super::patches::Patches;
-use super::rows::{Rows, groups};
+use super::rows::{AHEAD, Rows, groups, prefetch_rows};
 use super::sample::{Affine, type_of};
 use super::strain::load_gradient;
 use crate::active::ActiveCells;
@@ -12,7 +12,7 @@ use crate::points::Block;
 use crate::settings::Frame;
 use crate::space::{Space, with_basis};
 use bia_constitutive::Kinematics;
-use bia_kernel::lanes::{Lanes, Pack, Real, WIDTH};
+use bia_kernel::lanes::{Lanes, Pack, Real, WIDTH, dispatch, turns};
 use bia_kernel::solving::ActiveDofs;
 use bia_kernel::solving::ordered::in_order;
 use pulp::Simd;
@@ -140,7 +140,7 @@ impl Gather<'_> {
                 places = rest;
                 let task =
                     Cells::<_, D, N> { gather: self, cells, places: of_run, wanted, sums, basis: type_of(&basis) };
-                self.arch.dispatch(task);
+                dispatch(self.arch, task);
             }, else ());
         }
     }
@@ -188,6 +188,7 @@ impl<'a, B: CellOf<'a, D, N>, const D: usize, const N: usize> pulp::WithSimd for
             for run in active.runs(index) {
                 let block = &self.gather.blocks[run.block as usize];
                 let first = run.first as usize;
+                self.prefetch(block, first + AHEAD..first + AHEAD + run.count as usize);
                 for rows in groups(simd, first..first + run.count as usize) {
                     self.add_points(simd, &cell, block, rows, places);
                     if affine != Affine::None && self.wanted.momentum() {
@@ -200,13 +201,27 @@ impl<'a, B: CellOf<'a, D, N>, const D: usize, const N: usize> pulp::WithSimd for
 }
 
 impl<'a, B: CellOf<'a, D, N>, const D: usize, const N: usize> Cells<'a, '_, B, D, N> {
+    /// Asks for what points will bring.
+    #[inline(always)]
+    fn prefetch(&self, block: &Block, points: Range<usize>) {
+        prefetch_rows(block.position.values(), D, points.clone());
+        prefetch_rows(block.mass.values(), 1, points.clone());
+        if self.wanted.momentum() {
+            prefetch_rows(block.velocity.values(), D, points.clone());
+        }
+        if self.wanted.force() {
+            prefetch_rows(block.volume.values(), 1, points.clone());
+            prefetch_rows(block.stress.values(), block.stress.width(), points);
+        }
+    }
+
     /// Adds points to the nodes of their cell, which have these places in the patch.
     #[inline(always)]
     fn add_points<S: Simd>(&mut self, simd: S, cell: &Cell<B, D, N>, block: &Block, rows: Rows, places: &[u32]) {
         let position = rows.load::<S, D>(simd, block.position.values());
         let xi = if cell.is_stored() { rows.load(simd, block.local.values()) } else { cell.local(&position) };
         let load = self.load(simd, cell, &xi, block, rows);
-        if self.gather.faults.misaligns(&cell.basis.functions(&xi)) {
+        if B::OF_MESH && self.gather.faults.misaligns(&cell.basis.functions(&xi)) {
             return self.add_misaligned(cell, &packs(&xi), &load.packs(), rows.count, places);
         }
         let at = cell.basis.at(&xi, self.wanted.force());
@@ -227,19 +242,19 @@ impl<'a, B: CellOf<'a, D, N>, const D: usize, const N: usize> Cells<'a, '_, B, D
             }
         }
         let mut records = [Pack([0.0; WIDTH]); N];
-        for chunk in 0..N.div_ceil(WIDTH) {
+        for chunk in 0..turns::<N>().div_ceil(WIDTH) {
             let of_modes = Lanes::transposed(simd, &sums[chunk]);
-            for k in 0..WIDTH.min(N - chunk * WIDTH) {
-                records[chunk * WIDTH + k] = of_modes[k];
+            for (record, sums) in records[chunk * WIDTH..].iter_mut().zip(of_modes) {
+                *record = sums;
             }
         }
         for part in (0..WIDTH).step_by(Lanes::<S>::COUNT) {
             let mut of_nodes = [Lanes::splat(simd, 0.0); N];
-            for i in 0..N {
+            for i in 0..turns::<N>() {
                 of_nodes[i] = Lanes::load_slice(simd, &records[i].0[part..]);
             }
             B::collect(&mut of_nodes);
-            for i in 0..N {
+            for i in 0..turns::<N>() {
                 let node = &mut self.sums[places[i] as usize].0[part..];
                 (Lanes::load_slice(simd, node) + of_nodes[i]).store_slice(node);
             }
@@ -350,10 +365,12 @@ impl<'a, B: CellOf<'a, D, N>, const D: usize, const N: usize> Cells<'a, '_, B, D
 #[inline(always)]
 fn add_up<S: Simd, const N: usize>(sums: &mut [[Pack; WIDTH]; CHUNKS], quantity: usize, values: &[Lanes<S>; N]) {
     const { assert!(N <= CHUNKS * WIDTH, "too many functions in a cell") };
-    for chunk in 0..N.div_ceil(WIDTH) {
+    for chunk in 0..turns::<N>().div_ceil(WIDTH) {
         let mut eight = [values[0].constant(0.0); WIDTH];
-        for k in 0..WIDTH.min(N - chunk * WIDTH) {
-            eight[k] = values[chunk * WIDTH + k];
+        for k in 0..WIDTH {
+            if chunk * WIDTH + k < N {
+                eight[k] = values[chunk * WIDTH + k];
+            }
         }
         sums[chunk][quantity] = Lanes::sums(&eight);
     }

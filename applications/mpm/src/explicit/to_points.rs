@@ -2,6 +2,7 @@
 //! the strain deforms points and asks their laws, the drift moves them.
 
 use super::chunk::{Chunk, Opened, open};
+use super::rows::AHEAD;
 use super::rows::Rows;
 use super::sample::{Affine, Fields, Grid, Records, Sample, Samples};
 use super::strain::{Batch, Material};
@@ -9,7 +10,7 @@ use crate::points::MaterialPoints;
 use crate::settings::{Frame, Transfer};
 use bia_constitutive::LawError;
 use bia_constitutive::tensor::Tensor;
-use bia_kernel::lanes::{Lanes, Pack, Real, WIDTH};
+use bia_kernel::lanes::{Lanes, Pack, Real, WIDTH, dispatch};
 use pulp::Simd;
 use rayon::prelude::*;
 
@@ -144,21 +145,24 @@ fn work_on<const D: usize>(
 ) -> AtPoint<OfChunk> {
     let (field, arch) = (material.field, material.field.grid.arch);
     let Scratch { samples, batch } = scratch;
-    let (mut found, mut next) = (OfChunk::default(), 0);
+    let (mut found, mut next, mut fetched) = (OfChunk::default(), 0, 0);
     while next < chunk.cell.len() {
+        let end = chunk.cell.len().min(next + AHEAD);
+        chunk.prefetch(fetched..end, strokes);
+        fetched = end;
         next = samples.take(chunk, next, &field.grid, &field.fields, field.records);
         let samples = samples.taken();
         if strokes.strain {
             material.strain::<D>(chunk, samples, batch)?;
         }
         if strokes.filter {
-            arch.dispatch(Filter::<D> { chunk, samples });
+            dispatch(arch, Filter::<D> { chunk, samples });
         }
         if strokes.kick {
-            found.fastest = arch.dispatch(Kick::<D> { chunk, samples, field })?.max(found.fastest);
+            found.fastest = dispatch(arch, Kick::<D> { chunk, samples, field })?.max(found.fastest);
         }
         if strokes.drift {
-            arch.dispatch(Drift::<D> { chunk, samples, field, leavers: &mut found.leavers })?;
+            dispatch(arch, Drift::<D> { chunk, samples, field, leavers: &mut found.leavers })?;
         }
     }
     Ok(found)

@@ -10,6 +10,7 @@ use crate::points::MaterialPoints;
 use crate::settings::Frame;
 use crate::space::{Space, with_basis};
 use bia_kernel::error::{Error, Failure};
+use bia_kernel::lanes::dispatch;
 use bia_kernel::model::ModelPart;
 use bia_kernel::solving::scheme::Coefficients;
 use bia_kernel::solving::{ActiveDofs, CellBuffer, NonlinearSystem, System};
@@ -101,7 +102,7 @@ impl Problem<'_> {
             };
             let points: Vec<(u32, u32)> = self.active.points(index).collect();
             let task = CellTask::<_, D, N> { integrator, state: &state, points: &points, buffer, with_matrix, basis };
-            self.arch.dispatch(task)
+            dispatch(self.arch, task)
         }, else Ok(()))
     }
 }
