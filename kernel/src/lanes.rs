@@ -5,6 +5,9 @@
 //! in `array::map` among them, is compiled for the baseline machine. Products and sums are rounded
 //! one by one (no fused multiply-add), so that all machines and all widths give the same bits.
 
+#[cfg(target_arch = "x86_64")]
+mod avx512;
+
 use pulp::Simd;
 use std::any::Any;
 use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
@@ -24,6 +27,17 @@ pub fn turns<const N: usize>() -> usize {
 #[inline(never)]
 pub fn dispatch<O: pulp::WithSimd>(arch: pulp::Arch, operation: O) -> O::Output {
     arch.dispatch(operation)
+}
+
+/// Asks for numbers ahead of their use: the memory brings them while the work goes on.
+#[inline(always)]
+pub fn prefetch(numbers: &[f64]) {
+    #[cfg(target_arch = "x86_64")]
+    for line in numbers.chunks(8) {
+        safe_arch::prefetch_t0(&line[0]);
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = numbers;
 }
 
 /// A real number, or several in step.
@@ -89,63 +103,73 @@ impl<S: Simd> Lanes<S> {
     /// The numbers of a pack.
     #[inline(always)]
     pub fn load(simd: S, pack: &Pack) -> Self {
-        let (vectors, _) = S::as_simd_f64s(&pack.0[..Self::COUNT]);
+        Self::load_slice(simd, &pack.0)
+    }
+
+    /// Consecutive numbers.
+    ///
+    /// # Panics
+    /// There are too few of them.
+    #[inline(always)]
+    pub fn load_slice(simd: S, numbers: &[f64]) -> Self {
+        let (vectors, _) = S::as_simd_f64s(&numbers[..Self::COUNT]);
         Self { simd, value: vectors[0] }
     }
 
-    /// Every `stride`-th number from `first` on, one for each lane.
-    ///
-    /// # Panics
-    /// There are too few numbers.
-    #[inline(always)]
-    pub fn gather(simd: S, numbers: &[f64], first: usize, stride: usize) -> Self {
-        // Written out, because vectors are then built in registers instead of memory.
-        let at = &numbers[first..first + (Self::COUNT - 1) * stride + 1];
-        let value = match Self::COUNT {
-            8 => {
-                let low = [at[0], at[stride], at[2 * stride], at[3 * stride]];
-                let high = [at[4 * stride], at[5 * stride], at[6 * stride], at[7 * stride]];
-                bytemuck::cast([low[0], low[1], low[2], low[3], high[0], high[1], high[2], high[3]])
-            }
-            4 => bytemuck::cast([at[0], at[stride], at[2 * stride], at[3 * stride]]),
-            2 => bytemuck::cast([at[0], at[stride]]),
-            _ => bytemuck::cast([at[0]]),
-        };
-        Self { simd, value }
-    }
-
-    /// Writes what [`gather`](Self::gather) reads.
+    /// Writes consecutive numbers.
     ///
     /// # Panics
     /// There is too little room.
     #[inline(always)]
-    pub fn scatter(self, numbers: &mut [f64], first: usize, stride: usize) {
-        let to = &mut numbers[first..first + (Self::COUNT - 1) * stride + 1];
-        match Self::COUNT {
-            8 => {
-                let from: [f64; 8] = bytemuck::cast(self.value);
-                to[0] = from[0];
-                to[stride] = from[1];
-                to[2 * stride] = from[2];
-                to[3 * stride] = from[3];
-                to[4 * stride] = from[4];
-                to[5 * stride] = from[5];
-                to[6 * stride] = from[6];
-                to[7 * stride] = from[7];
+    pub fn store_slice(self, numbers: &mut [f64]) {
+        let (vectors, _) = S::as_mut_simd_f64s(&mut numbers[..Self::COUNT]);
+        vectors[0] = self.value;
+    }
+
+    /// Rows of `C` numbers: entry c of row l in lane l of vector c.
+    ///
+    /// # Panics
+    /// There are fewer rows than lanes.
+    #[inline(always)]
+    pub fn read_rows<const C: usize>(simd: S, rows: &[f64]) -> [Self; C] {
+        let mut out = [Self::splat(simd, 0.0); C];
+        #[cfg(target_arch = "x86_64")]
+        if let Some(v4) = (&simd as &dyn Any).downcast_ref::<pulp::x86::V4>() {
+            let columns = avx512::read_rows::<C>(*v4, rows);
+            for c in 0..C {
+                out[c].value = bytemuck::cast(columns[c]);
             }
-            4 => {
-                let from: [f64; 4] = bytemuck::cast(self.value);
-                to[0] = from[0];
-                to[stride] = from[1];
-                to[2 * stride] = from[2];
-                to[3 * stride] = from[3];
+            return out;
+        }
+        for c in 0..C {
+            let mut column = Pack([0.0; WIDTH]);
+            for l in 0..Self::COUNT {
+                column.0[l] = rows[l * C + c];
             }
-            2 => {
-                let from: [f64; 2] = bytemuck::cast(self.value);
-                to[0] = from[0];
-                to[stride] = from[1];
+            out[c] = Self::load(simd, &column);
+        }
+        out
+    }
+
+    /// Writes what [`read_rows`](Self::read_rows) reads.
+    ///
+    /// # Panics
+    /// There is too little room.
+    #[inline(always)]
+    pub fn write_rows<const C: usize>(values: &[Self; C], rows: &mut [f64]) {
+        #[cfg(target_arch = "x86_64")]
+        if let Some(v4) = (&values[0].simd as &dyn Any).downcast_ref::<pulp::x86::V4>() {
+            let mut columns = [bytemuck::cast(values[0].value); C];
+            for c in 0..C {
+                columns[c] = bytemuck::cast(values[c].value);
             }
-            _ => to[0] = bytemuck::cast(self.value),
+            return avx512::write_rows(*v4, rows, &columns);
+        }
+        for c in 0..C {
+            let column = values[c].pack();
+            for l in 0..Self::COUNT {
+                rows[l * C + c] = column.0[l];
+            }
         }
     }
 
@@ -166,8 +190,7 @@ impl<S: Simd> Lanes<S> {
     /// Writes the numbers to a pack.
     #[inline(always)]
     pub fn store(self, pack: &mut Pack) {
-        let (vectors, _) = S::as_mut_simd_f64s(&mut pack.0[..Self::COUNT]);
-        vectors[0] = self.value;
+        self.store_slice(&mut pack.0);
     }
 
     /// The larger number, lane by lane.
@@ -190,51 +213,55 @@ impl<S: Simd> Lanes<S> {
 
     /// Sums of all lanes of eight vectors.
     #[inline(always)]
-    pub fn sums(values: &[Self; 8]) -> [f64; 8] {
+    pub fn sums(values: &[Self; 8]) -> Pack {
         #[cfg(target_arch = "x86_64")]
         if let Some(v4) = (&values[0].simd as &dyn Any).downcast_ref::<pulp::x86::V4>() {
-            let mut vectors = [pulp::f64x8(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0); 8];
+            let mut vectors = [bytemuck::cast(values[0].value); 8];
             for k in 0..8 {
                 vectors[k] = bytemuck::cast(values[k].value);
             }
-            return sums_of_eight(*v4, &vectors);
+            return Pack(bytemuck::cast(avx512::sums(*v4, &vectors)));
         }
-        let mut sums = [0.0; 8];
+        let mut sums = Pack([0.0; WIDTH]);
         for k in 0..8 {
-            sums[k] = values[k].sum();
+            sums.0[k] = values[k].sum();
         }
         sums
+    }
+
+    /// The columns of a matrix of eight rows.
+    #[inline(always)]
+    pub fn transposed(simd: S, rows: &[Pack; WIDTH]) -> [Pack; WIDTH] {
+        let mut out = *rows;
+        #[cfg(target_arch = "x86_64")]
+        if let Some(v4) = (&simd as &dyn Any).downcast_ref::<pulp::x86::V4>() {
+            let mut vectors = [bytemuck::cast(rows[0].0); WIDTH];
+            for k in 0..WIDTH {
+                vectors[k] = bytemuck::cast(rows[k].0);
+            }
+            let columns = avx512::transposed(*v4, &vectors);
+            for k in 0..WIDTH {
+                out[k] = Pack(bytemuck::cast(columns[k]));
+            }
+            return out;
+        }
+        let _ = simd;
+        for k in 0..WIDTH {
+            for l in 0..WIDTH {
+                out[k].0[l] = rows[l].0[k];
+            }
+        }
+        out
     }
 
     /// Whether all lanes lie between two numbers; none that is not a number does.
     #[inline(always)]
     pub fn all_within(self, low: f64, high: f64) -> bool {
-        // What is cut off to stay within is zero in all lanes, or not a number.
-        let cut = self - self.max(self.constant(low)).min(self.constant(high));
-        (cut * cut).sum() == 0.0
+        let above = self.simd.less_than_or_equal_f64s(self.constant(low).value, self.value);
+        let below = self.simd.less_than_or_equal_f64s(self.value, self.constant(high).value);
+        let outside = self.simd.not_m64s(self.simd.and_m64s(above, below));
+        self.simd.first_true_m64s(outside) >= Self::COUNT
     }
-}
-
-/// Sums of all lanes of eight vectors of eight lanes: pairs of vectors are added crosswise three
-/// times, which takes a third of the instructions that one sum after the other takes.
-#[cfg(target_arch = "x86_64")]
-#[inline(always)]
-fn sums_of_eight(simd: pulp::x86::V4, vectors: &[pulp::f64x8; 8]) -> [f64; 8] {
-    let f = simd.avx512f;
-    let mut v = [f._mm512_setzero_pd(); 8];
-    for k in 0..8 {
-        v[k] = pulp::cast(vectors[k]);
-    }
-    for k in 0..4 {
-        let (a, b) = (v[2 * k], v[2 * k + 1]);
-        v[k] = f._mm512_add_pd(f._mm512_unpacklo_pd(a, b), f._mm512_unpackhi_pd(a, b));
-    }
-    for k in [0, 1, 0] {
-        let (a, b) = (v[2 * k], v[2 * k + 1]);
-        let even = f._mm512_shuffle_f64x2::<0b10_00_10_00>(a, b);
-        v[k] = f._mm512_add_pd(even, f._mm512_shuffle_f64x2::<0b11_01_11_01>(a, b));
-    }
-    pulp::cast(v[0])
 }
 
 macro_rules! operator {
@@ -351,22 +378,46 @@ mod tests {
         fn with_simd<S: Simd>(self, simd: S) {
             let numbers: Vec<f64> = (0..64).map(|k| f64::from(k * k)).collect();
             let mut values = [Lanes::splat(simd, 0.0); 8];
-            for (k, value) in values.iter_mut().enumerate() {
-                *value = Lanes::gather(simd, &numbers, k, 8);
-            }
+            values.copy_from_slice(&Lanes::read_rows::<8>(simd, &numbers));
             let expected: [f64; 8] = std::array::from_fn(|k| (0..Lanes::<S>::COUNT).map(|l| numbers[8 * l + k]).sum());
-            assert_eq!(Lanes::sums(&values), expected);
+            assert_eq!(Lanes::sums(&values).0, expected);
             assert_eq!(values.map(Lanes::sum), expected);
-            let mut out = vec![0.0; 64];
-            values.iter().enumerate().for_each(|(k, value)| value.scatter(&mut out, k, 8));
-            let whole = 8 * Lanes::<S>::COUNT;
-            assert_eq!(out[..whole], numbers[..whole]);
+            let mut matrix = [Pack([0.0; WIDTH]); WIDTH];
+            (0..64).for_each(|k| matrix[k / 8].0[k % 8] = numbers[k]);
+            let columns = Lanes::transposed(simd, &matrix);
+            (0..64).for_each(|k| assert_eq!(columns[k % 8].0[k / 8], numbers[k]));
+            rows_survive::<S, 1>(simd);
+            rows_survive::<S, 2>(simd);
+            rows_survive::<S, 3>(simd);
+            rows_survive::<S, 4>(simd);
+            rows_survive::<S, 5>(simd);
+            rows_survive::<S, 6>(simd);
+            rows_survive::<S, 9>(simd);
+            assert!(values[1].all_within(1.0, 3249.0) && !values[1].all_within(2.0, 4e3));
+            assert!(!values[1].all_within(1.0, 1.0) && !(values[1] * f64::NAN).all_within(0.0, f64::MAX));
         }
+    }
+
+    fn rows_survive<S: Simd, const C: usize>(simd: S) {
+        let (count, numbers) = (Lanes::<S>::COUNT, (0..90).map(f64::from).collect::<Vec<f64>>());
+        let columns = Lanes::read_rows::<C>(simd, &numbers);
+        for (c, column) in columns.iter().enumerate() {
+            (0..count).for_each(|l| assert_eq!(column.pack().0[l], numbers[l * C + c]));
+        }
+        let mut out = vec![-1.0; 90];
+        Lanes::write_rows(&columns, &mut out);
+        assert_eq!(out[..count * C], numbers[..count * C]);
+        assert!(out[count * C..].iter().all(|n| *n == -1.0));
     }
 
     #[test]
     fn sums_run_over_all_lanes() {
         Arch::new().dispatch(Sums);
+        Simd::vectorize(pulp::Scalar::new(), Sums);
+        #[cfg(target_arch = "x86_64")]
+        if let Some(v3) = pulp::x86::V3::try_new() {
+            Simd::vectorize(v3, Sums);
+        }
     }
 
     #[test]

@@ -9,13 +9,25 @@ use rayon::prelude::*;
 /// Marks a point that has no cell.
 pub const NO_CELL: u32 = u32::MAX;
 
+/// Neighbouring points of a block that share a cell.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Run {
+    /// Block.
+    pub block: u32,
+    /// First point.
+    pub first: u32,
+    /// Points.
+    pub count: u32,
+}
+
 /// Active cells, ascending, with their points by block and index.
 #[derive(Default)]
 pub struct ActiveCells {
     /// Cells.
     pub cells: Vec<u32>,
+    /// Where each cell's runs start, one more entry than cells.
     starts: Vec<u32>,
-    points: Vec<(u32, u32)>,
+    runs: Vec<Run>,
     counts: Vec<u32>,
 }
 
@@ -25,38 +37,50 @@ impl ActiveCells {
         self.cells.len()
     }
 
+    /// Runs of points of an active cell, by block and point.
+    pub fn runs(&self, index: usize) -> &[Run] {
+        &self.runs[self.starts[index] as usize..self.starts[index + 1] as usize]
+    }
+
     /// Points of an active cell: (block, point).
-    pub fn points(&self, index: usize) -> &[(u32, u32)] {
-        &self.points[self.starts[index] as usize..self.starts[index + 1] as usize]
+    pub fn points(&self, index: usize) -> impl Iterator<Item = (u32, u32)> + Clone {
+        self.runs(index).iter().flat_map(|run| (run.first..run.first + run.count).map(|point| (run.block, point)))
     }
 
     /// Sorts the points of all blocks into their cells.
     pub fn gather(&mut self, blocks: &[Block], total: usize) {
         self.counts.clear();
-        self.counts.resize(total + 1, 0);
-        let all = || blocks.iter().flat_map(|block| &block.cell).filter(|&&cell| cell != NO_CELL);
-        for &cell in all() {
-            self.counts[cell as usize] += 1;
-        }
-        let active: Vec<bool> = self.counts.iter().map(|&count| count > 0).collect();
-        self.cells = (0..total as u32).filter(|&cell| active[cell as usize]).collect();
+        self.counts.resize(total, 0);
+        let all = || blocks.iter().enumerate().flat_map(|(block, points)| runs_of(block, &points.cell));
+        all().for_each(|(cell, _)| self.counts[cell as usize] += 1);
+        self.cells.clear();
         self.starts.clear();
         let mut next = 0;
-        for &cell in &self.cells {
+        for (cell, count) in self.counts.iter_mut().enumerate().filter(|(_, count)| **count > 0) {
+            self.cells.push(cell as u32);
             self.starts.push(next);
-            next += std::mem::replace(&mut self.counts[cell as usize], next);
+            next += std::mem::replace(count, next);
         }
         self.starts.push(next);
-        self.points.clear();
-        self.points.resize(next as usize, (0, 0));
-        for (b, block) in blocks.iter().enumerate() {
-            for (p, &cell) in block.cell.iter().enumerate().filter(|(_, cell)| **cell != NO_CELL) {
-                let place = &mut self.counts[cell as usize];
-                self.points[*place as usize] = (b as u32, p as u32);
-                *place += 1;
-            }
+        self.runs.clear();
+        self.runs.resize(next as usize, Run { block: 0, first: 0, count: 0 });
+        for (cell, run) in all() {
+            let place = &mut self.counts[cell as usize];
+            self.runs[*place as usize] = run;
+            *place += 1;
         }
     }
+}
+
+/// The runs of a block's points with their cells.
+fn runs_of(block: usize, cells: &[u32]) -> impl Iterator<Item = (u32, Run)> {
+    let mut first = 0;
+    let runs = cells.chunk_by(|a, b| a == b).map(move |run| {
+        let (start, count) = (first, run.len() as u32);
+        first += count;
+        (run[0], Run { block: block as u32, first: start, count })
+    });
+    runs.filter(|(cell, _)| *cell != NO_CELL)
 }
 
 /// Finds the cell of every point, starting from its last one, and erases points that left the

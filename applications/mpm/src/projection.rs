@@ -65,7 +65,7 @@ impl ConsistentMass<'_> {
             let cell = self.active.cells[index] as usize;
             with_basis!(self.space, cell, |basis, D, N| {
                 let known = nodal_vectors::<D, N>(self.dofs, self.space.nodes_of(cell), velocity);
-                for &(block, point) in self.active.points(index) {
+                for (block, point) in self.active.points(index) {
                     add_point::<_, D, N>(&basis, &self.blocks[block as usize], point as usize, &known, buffer);
                 }
             }, else ());

@@ -10,6 +10,7 @@ use bia_kernel::parameters::Settings;
 use bia_kernel::solving::ActiveDofs;
 use bia_kernel::variables::Variable;
 use std::borrow::Cow;
+use std::ops::Range;
 use std::sync::Once;
 
 /// Evaluates an expression with the functions of a cell as a [`PlacedBasis`] of `D` dimensions and
@@ -182,7 +183,18 @@ impl Space {
     /// The functions that do not vanish in a cell, in the cell's order.
     #[inline(always)]
     pub fn nodes_of(&self, cell: usize) -> &[u32] {
-        &self.of_cells[self.starts[cell] as usize..self.starts[cell + 1] as usize]
+        &self.of_cells[self.range_of(cell)]
+    }
+
+    /// The functions of all cells, cell by cell.
+    pub fn entries(&self) -> &[u32] {
+        &self.of_cells
+    }
+
+    /// Where a cell's functions stand in [`entries`](Self::entries).
+    #[inline(always)]
+    pub fn range_of(&self, cell: usize) -> Range<usize> {
+        self.starts[cell] as usize..self.starts[cell + 1] as usize
     }
 
     /// Where a function is anchored in m: its node, or the Greville abscissae of a B-spline.

@@ -1,5 +1,6 @@
 //! A cell as the kernels see it: its functions, and the map between its local coordinates and space.
 
+use super::modes::{Modes, Monomials};
 use crate::space::{Functions, Space};
 use bia_kernel::geometry::{CellShape, MeshCell, PlacedBasis, Shape, TensorCell, adjugate, jacobian};
 use bia_kernel::lanes::{Lanes, Real, WIDTH};
@@ -22,15 +23,18 @@ pub struct AffineMap<const D: usize> {
     inverse: [[f64; D]; D],
     /// The cell is a triangle or tetrahedron.
     simplex: bool,
+    /// J is diagonal.
+    diagonal: bool,
 }
 
 /// Functions of the cells of a space, by type.
-pub trait CellOf<'a, const D: usize, const N: usize>: PlacedBasis<D, N> {
+pub trait CellOf<'a, const D: usize, const N: usize>: PlacedBasis<D, N> + Modes<D, N> {
     /// Functions of a mesh's own cells: Kratos has no others, and no faults with them.
     const OF_MESH: bool;
 
-    /// Those of one cell; none if it has another type.
-    fn of(space: &'a Space, cell: usize) -> Option<Self>;
+    /// Those of one cell; none if it has another type. Without its place they know values and local
+    /// gradients only.
+    fn of(space: &'a Space, cell: usize, placed: bool) -> Option<Self>;
 
     /// The map of a cell with parallel sides; none if it has another type.
     fn map(space: &'a Space, cell: usize) -> Option<AffineMap<D>>;
@@ -47,12 +51,12 @@ pub struct Cell<B, const D: usize, const N: usize> {
     stored: bool,
 }
 
-impl<'a, S: CellShape<D, N>, const D: usize, const N: usize> CellOf<'a, D, N> for MeshCell<S, D, N> {
+impl<'a, S: Monomials<D, N>, const D: usize, const N: usize> CellOf<'a, D, N> for MeshCell<S, D, N> {
     const OF_MESH: bool = true;
 
     #[inline(always)]
-    fn of(space: &'a Space, cell: usize) -> Option<Self> {
-        Some(Self::new(space.corners(cell)))
+    fn of(space: &'a Space, cell: usize, placed: bool) -> Option<Self> {
+        Some(Self::new(if placed { space.corners(cell) } else { [[0.0; D]; N] }))
     }
 
     #[inline(always)]
@@ -79,7 +83,7 @@ impl<'a, const D: usize, const N: usize, const P1: usize> CellOf<'a, D, N> for T
     const OF_MESH: bool = false;
 
     #[inline(always)]
-    fn of(space: &'a Space, cell: usize) -> Option<Self> {
+    fn of(space: &'a Space, cell: usize, _: bool) -> Option<Self> {
         match space.functions() {
             Functions::Tensor(tensor) => tensor.basis.cell(cell),
             Functions::Mesh(_) => None,
@@ -88,12 +92,12 @@ impl<'a, const D: usize, const N: usize, const P1: usize> CellOf<'a, D, N> for T
 
     #[inline(always)]
     fn map(space: &'a Space, cell: usize) -> Option<AffineMap<D>> {
-        Self::of(space, cell).map(|basis| basis.affine_map())
+        Some(<Self as CellOf<'a, D, N>>::of(space, cell, true)?.affine_map())
     }
 
     #[inline(always)]
     fn inverse_jacobian<R: Real>(&self, xi: &[R; D]) -> [[R; D]; D] {
-        self.affine_map().inverse(xi[0])
+        self.affine_map().inverse_at(xi[0])
     }
 }
 
@@ -109,7 +113,7 @@ impl<const D: usize, const N: usize, const P1: usize> BoxMap<D> for TensorCell<'
         for a in 0..D {
             inverse[a][a] = 1.0 / self.half()[a];
         }
-        AffineMap { origin: *self.center(), inverse, simplex: false }
+        AffineMap { origin: *self.center(), inverse, simplex: false, diagonal: true }
     }
 }
 
@@ -130,14 +134,27 @@ fn affine_map<S: CellShape<D, N>, const D: usize, const N: usize>(corner: impl F
             origin[a] -= jacobian[a][c] * least;
         }
     }
-    let (mut inverse, determinant) = adjugate(&jacobian);
-    let scale = 1.0 / determinant;
-    for row in &mut inverse {
-        for entry in row {
-            *entry *= scale;
+    let mut diagonal = true;
+    for a in 0..D {
+        for c in 0..D {
+            diagonal &= a == c || jacobian[a][c] == 0.0;
         }
     }
-    AffineMap { origin, inverse, simplex }
+    let mut inverse = [[0.0; D]; D];
+    if diagonal {
+        for c in 0..D {
+            inverse[c][c] = 1.0 / jacobian[c][c];
+        }
+        return AffineMap { origin, inverse, simplex, diagonal };
+    }
+    let (adjugate, determinant) = adjugate(&jacobian);
+    let scale = 1.0 / determinant;
+    for c in 0..D {
+        for a in 0..D {
+            inverse[c][a] = adjugate[c][a] * scale;
+        }
+    }
+    AffineMap { origin, inverse, simplex, diagonal }
 }
 
 const fn is_simplex(shape: Shape) -> bool {
@@ -147,14 +164,37 @@ const fn is_simplex(shape: Shape) -> bool {
 impl<const D: usize> AffineMap<D> {
     #[inline(always)]
     fn local<R: Real>(&self, x: &[R; D]) -> [R; D] {
-        let mut xi = [x[0].constant(0.0); D];
+        let mut xi = *x;
         for a in 0..D {
-            let offset = x[a] - self.origin[a];
-            for c in 0..D {
-                xi[c] += offset * self.inverse[c][a];
+            xi[a] = x[a] - self.origin[a];
+        }
+        if self.diagonal {
+            for a in 0..D {
+                xi[a] = xi[a] * self.inverse[a][a];
+            }
+            return xi;
+        }
+        let offset = xi;
+        for c in 0..D {
+            xi[c] = offset[0] * self.inverse[c][0];
+            for a in 1..D {
+                xi[c] += offset[a] * self.inverse[c][a];
             }
         }
         xi
+    }
+
+    /// Whether all positions lie in the cell.
+    #[inline(always)]
+    pub fn holds_all<S: pulp::Simd>(&self, x: &[Lanes<S>; D]) -> bool {
+        let xi = self.local(x);
+        let (mut low, mut high) = (xi[0], xi[0]);
+        for a in 1..D {
+            low = low.min(xi[a]);
+            high = if self.simplex { high + xi[a] } else { high.max(xi[a]) };
+        }
+        let least = if self.simplex { 0.0 } else { -1.0 };
+        low.all_within(least, f64::MAX) && high.all_within(-f64::MAX, 1.0)
     }
 
     /// Which positions lie in the cell.
@@ -176,7 +216,7 @@ impl<const D: usize> AffineMap<D> {
     }
 
     #[inline(always)]
-    fn inverse<R: Real>(&self, of: R) -> [[R; D]; D] {
+    fn inverse_at<R: Real>(&self, of: R) -> [[R; D]; D] {
         let mut inverse = [[of; D]; D];
         for c in 0..D {
             for a in 0..D {
@@ -188,19 +228,25 @@ impl<const D: usize> AffineMap<D> {
 }
 
 impl<'a, B: CellOf<'a, D, N>, const D: usize, const N: usize> Cell<B, D, N> {
-    /// A cell of a space; none if it has another type.
+    /// A cell of a space, `placed` if its basis is asked for positions; none if it has another type.
     #[inline(always)]
-    pub fn of(space: &'a Space, cell: usize, mapping: Mapping) -> Option<Self> {
+    pub fn of(space: &'a Space, cell: usize, mapping: Mapping, placed: bool) -> Option<Self> {
         let map = if mapping.affine { Some(B::map(space, cell)?) } else { None };
-        Some(Self { basis: B::of(space, cell)?, map, stored: mapping.stored })
+        Some(Self { basis: B::of(space, cell, placed || !mapping.affine)?, map, stored: mapping.stored })
     }
 
-    /// Local coordinates of positions, or those stored.
+    /// Whether local coordinates are stored.
     #[inline(always)]
-    pub fn local<R: Real>(&self, x: &[R; D], stored: impl FnOnce() -> [R; D]) -> [R; D] {
+    pub fn is_stored(&self) -> bool {
+        self.stored || self.map.is_none()
+    }
+
+    /// Local coordinates of positions, unless they are stored.
+    #[inline(always)]
+    pub fn local<R: Real>(&self, x: &[R; D]) -> [R; D] {
         match &self.map {
-            Some(map) if !self.stored => map.local(x),
-            _ => stored(),
+            Some(map) => map.local(x),
+            None => *x,
         }
     }
 
@@ -208,9 +254,43 @@ impl<'a, B: CellOf<'a, D, N>, const D: usize, const N: usize> Cell<B, D, N> {
     #[inline(always)]
     pub fn inverse_jacobian<R: Real>(&self, xi: &[R; D]) -> [[R; D]; D] {
         match &self.map {
-            Some(map) => map.inverse(xi[0]),
+            Some(map) => map.inverse_at(xi[0]),
             None => self.basis.inverse_jacobian(xi),
         }
+    }
+
+    /// m J⁻¹ at ξ, or m J⁻ᵀ.
+    #[inline(always)]
+    pub fn times_inverse<R: Real>(&self, m: &[[R; D]; D], xi: &[R; D], transposed: bool) -> [[R; D]; D] {
+        let mut out = *m;
+        if let Some(map) = &self.map
+            && map.diagonal
+        {
+            for a in 0..D {
+                for c in 0..D {
+                    out[a][c] = m[a][c] * map.inverse[c][c];
+                }
+            }
+            return out;
+        }
+        let inverse = self.inverse_jacobian(xi);
+        let mut factor = inverse;
+        if transposed {
+            for b in 0..D {
+                for c in 0..D {
+                    factor[b][c] = inverse[c][b];
+                }
+            }
+        }
+        for a in 0..D {
+            for c in 0..D {
+                out[a][c] = m[a][0] * factor[0][c];
+                for b in 1..D {
+                    out[a][c] += m[a][b] * factor[b][c];
+                }
+            }
+        }
+        out
     }
 
     /// Distance of ξ from the axis of axisymmetric scenes.
@@ -223,7 +303,8 @@ impl<'a, B: CellOf<'a, D, N>, const D: usize, const N: usize> Cell<B, D, N> {
     #[inline(always)]
     pub fn place(&self) -> Option<AffineMap<3>> {
         let (Some(map), false) = (&self.map, self.stored) else { return None };
-        let mut place = AffineMap { origin: [0.0; 3], inverse: [[0.0; 3]; 3], simplex: map.simplex };
+        let mut place =
+            AffineMap { origin: [0.0; 3], inverse: [[0.0; 3]; 3], simplex: map.simplex, diagonal: map.diagonal };
         for a in 0..D {
             place.origin[a] = map.origin[a];
             for c in 0..D {

@@ -1,11 +1,14 @@
 //! Consecutive points of a block with the columns that a step changes: what one thread works on.
 
+use super::rows::prefetch_rows;
+use super::to_points::Strokes;
 use crate::points::Block;
 use bia_constitutive::Law;
 use bia_kernel::variables::Column;
+use std::ops::Range;
 
 /// Points a thread takes at a time.
-const POINTS: usize = 128;
+const POINTS: usize = 1024;
 
 /// Some consecutive points of a block. Columns that are not used are empty.
 pub struct Chunk<'a> {
@@ -40,28 +43,19 @@ pub struct Chunk<'a> {
 }
 
 impl Chunk<'_> {
-    /// Reads a number of each cache line: many reads wait for the memory together, while the strokes
-    /// would wait for one after the other.
-    pub fn warm(&self) {
-        let mut bits = [0u64; 4];
-        for column in [
-            &*self.gradient,
-            self.position,
-            self.velocity,
-            self.stress,
-            self.mass,
-            self.volume,
-            self.strain,
-            self.displacement,
-        ] {
-            let mut lines = column.chunks(32);
-            for group in &mut lines {
-                for (bits, line) in bits.iter_mut().zip(group.chunks(8)) {
-                    *bits |= line[0].to_bits();
-                }
-            }
+    /// Asks for what strokes will read and write at points.
+    pub fn prefetch(&self, points: Range<usize>, strokes: Strokes) {
+        let of = |column: &[f64]| prefetch_rows(column, column.len() / self.cell.len().max(1), points.clone());
+        of(self.position);
+        if strokes.strain {
+            [&*self.gradient, &*self.volume, &*self.stress, &*self.strain, self.mass].into_iter().for_each(of);
         }
-        std::hint::black_box(bits);
+        if strokes.kick {
+            [&*self.velocity, &*self.acceleration].into_iter().for_each(of);
+        }
+        if strokes.drift {
+            of(self.displacement);
+        }
     }
 }
 

@@ -31,42 +31,17 @@ impl KratosFaults {
         }
     }
 
-    /// [`misalign`](Self::misalign) for points in step.
+    /// Whether [`misalign`](Self::misalign) does anything at one of several points in step.
     #[inline(always)]
-    pub fn misalign_lanes<S: Simd, const D: usize, const N: usize>(
-        self,
-        functions: &mut [Lanes<S>; N],
-        gradients: &mut [[Lanes<S>; D]; N],
-    ) {
+    pub fn misaligns<S: Simd, const N: usize>(self, functions: &[Lanes<S>; N]) -> bool {
         if !self.0 {
-            return;
+            return false;
         }
         let mut least = functions[0];
-        for n in &functions[1..] {
-            least = least.min(*n);
+        for i in 1..N {
+            least = least.min(functions[i]);
         }
-        if least.all_within(0.0, f64::MAX) {
-            return;
-        }
-        let (mut values, mut rows) = (functions.map(Lanes::pack), gradients.map(|row| row.map(Lanes::pack)));
-        for l in 0..Lanes::<S>::COUNT {
-            let (mut of_lane, mut rows_of_lane) = ([0.0; N], [[0.0; D]; N]);
-            for i in 0..N {
-                of_lane[i] = values[i].0[l];
-                (0..D).for_each(|a| rows_of_lane[i][a] = rows[i][a].0[l]);
-            }
-            self.misalign(&mut of_lane, &mut rows_of_lane);
-            for i in 0..N {
-                values[i].0[l] = of_lane[i];
-                (0..D).for_each(|a| rows[i][a].0[l] = rows_of_lane[i][a]);
-            }
-        }
-        for i in 0..N {
-            functions[i] = functions[i].with(&values[i]);
-            for a in 0..D {
-                gradients[i][a] = gradients[i][a].with(&rows[i][a]);
-            }
-        }
+        !least.all_within(0.0, f64::MAX)
     }
 
     /// Kratos turns the increment of strain instead of the strain, and deforms with the increment

@@ -8,12 +8,14 @@
 //!
 //! Sources: Sulsky, Zhou & Schreyer 1995; Bardenhagen 2002; Nairn 2003.
 
+mod affine;
 mod cells;
 mod chunk;
 mod courant;
 mod kinematics;
 mod kratos_faults;
 mod limits;
+mod modes;
 mod nodes;
 mod patches;
 mod rows;
@@ -46,6 +48,7 @@ use kratos_faults::KratosFaults;
 use limits::Limits;
 use nodes::Nodes;
 use patches::Patches;
+use sample::Records;
 use search::Search;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -65,6 +68,7 @@ pub struct Explicit {
     search: Search,
     active: ActiveCells,
     patches: Patches,
+    records: Records,
     nodes: Nodes,
     /// The consistent mass, where it is wanted.
     system: Option<System>,
@@ -93,6 +97,7 @@ impl Explicit {
             search: Search::default(),
             active: ActiveCells::default(),
             patches: Patches::default(),
+            records: Records::default(),
             nodes: Nodes::default(),
             system: None,
             limits: Limits::of(courant),
@@ -127,7 +132,7 @@ impl Explicit {
 
     fn renumber(&mut self, points: &MaterialPoints) {
         self.nodes.renumber(&self.scene.space, &self.active, points.dimension());
-        self.patches = Patches::new(&self.scene.space, &self.active, &self.nodes.dofs);
+        self.patches.renew(&self.scene.space, &self.active, &self.nodes.dofs);
         if self.settings.consistent_mass {
             let (active, space, dofs) = (&self.active, &self.scene.space, &self.nodes.dofs);
             self.system = Some(ConsistentMass { blocks: &points.blocks, active, space, dofs }.system());

@@ -12,6 +12,9 @@ const CELLS: usize = 256;
 /// All active cells, in their order.
 #[derive(Default)]
 pub struct Patches {
+    /// Active numbers of the functions of each cell of the grid, in the order of the space; those of
+    /// cells that are not active mean nothing.
+    numbers: Vec<u32>,
     /// Active numbers of the nodes, patch by patch.
     nodes: Vec<u32>,
     /// Places of the cells' nodes in their patch, cell by cell.
@@ -28,30 +31,41 @@ struct Patch {
 
 impl Patches {
     /// Divides the active cells.
-    pub fn new(space: &Space, active: &ActiveCells, dofs: &ActiveDofs) -> Self {
-        let mut out = Self::default();
+    pub fn renew(&mut self, space: &Space, active: &ActiveCells, dofs: &ActiveDofs) {
+        self.numbers.resize(space.entries().len(), 0);
+        for list in [&mut self.nodes, &mut self.places] {
+            list.clear();
+        }
+        self.patches.clear();
         // The place of a node, as long as it was met in the present patch.
         let mut place_of = vec![(u32::MAX, 0); dofs.nodes().len()];
         for first in (0..active.len()).step_by(CELLS) {
-            let patch = out.patches.len() as u32;
+            let patch = self.patches.len() as u32;
             let cells = first..active.len().min(first + CELLS);
-            let (nodes, places) = (out.nodes.len(), out.places.len());
+            let (nodes, places) = (self.nodes.len(), self.places.len());
             for &cell in &active.cells[cells.clone()] {
-                for &node in space.nodes_of(cell as usize) {
+                let range = space.range_of(cell as usize);
+                for (&node, of_cell) in space.entries()[range.clone()].iter().zip(&mut self.numbers[range]) {
                     // The nodes of active cells are active.
                     let Some(number) = dofs.number(node) else { continue };
+                    *of_cell = number as u32;
                     let (last, place) = &mut place_of[number];
                     if *last != patch {
-                        (*last, *place) = (patch, (out.nodes.len() - nodes) as u32);
-                        out.nodes.push(number as u32);
+                        (*last, *place) = (patch, (self.nodes.len() - nodes) as u32);
+                        self.nodes.push(number as u32);
                     }
-                    out.places.push(*place);
+                    self.places.push(*place);
                 }
             }
-            let (nodes, places) = (nodes..out.nodes.len(), places..out.places.len());
-            out.patches.push(Patch { cells, nodes, places });
+            let (nodes, places) = (nodes..self.nodes.len(), places..self.places.len());
+            self.patches.push(Patch { cells, nodes, places });
         }
-        out
+    }
+
+    /// Active numbers of the functions of an active cell.
+    #[inline(always)]
+    pub fn numbers(&self, space: &Space, cell: usize) -> &[u32] {
+        &self.numbers[space.range_of(cell)]
     }
 
     /// Number of patches.

@@ -1,8 +1,12 @@
 //! Rows of a point-major column as lanes, one neighbouring point in each.
 
-use bia_kernel::lanes::{Lanes, Pack, WIDTH};
+use bia_kernel::lanes::{Lanes, Pack, WIDTH, prefetch};
 use pulp::Simd;
 use std::ops::Range;
+
+/// Points that are asked of the memory ahead of the work on them: what is asked for waits in the
+/// first cache.
+pub const AHEAD: usize = 64;
 
 /// Widest rows.
 const MOST: usize = 9;
@@ -23,11 +27,11 @@ impl Rows {
     pub fn load<S: Simd, const C: usize>(self, simd: S, column: &[f64]) -> [Lanes<S>; C] {
         let rows = &column[self.first * C..(self.first + self.count) * C];
         if self.count == Lanes::<S>::COUNT {
-            return gather_all(simd, rows);
+            return Lanes::read_rows(simd, rows);
         }
         let mut padded = [0.0; WIDTH * MOST];
         pad::<C>(rows, &mut padded);
-        gather_all(simd, &padded)
+        Lanes::read_rows(simd, &padded)
     }
 
     /// Writes rows of `C` entries.
@@ -35,67 +39,60 @@ impl Rows {
     pub fn store<S: Simd, const C: usize>(self, column: &mut [f64], values: &[Lanes<S>; C]) {
         let rows = &mut column[self.first * C..(self.first + self.count) * C];
         if self.count == Lanes::<S>::COUNT {
-            return scatter_all(rows, values);
+            return Lanes::write_rows(values, rows);
         }
         let mut padded = [0.0; WIDTH * MOST];
-        scatter_all(&mut padded, values);
+        Lanes::write_rows(values, &mut padded);
         rows.copy_from_slice(&padded[..rows.len()]);
     }
 
-    /// Writes rows of `C` entries, a pack for each.
+    /// Writes chosen components of a tensor in `D` dimensions: column entry k is `values[components[k]]`.
     #[inline(always)]
-    pub fn store_packs<const C: usize>(self, column: &mut [f64], packs: &[Pack; C]) {
-        let rows = &mut column[self.first * C..(self.first + self.count) * C];
-        for (l, row) in rows.chunks_exact_mut(C).enumerate() {
-            for c in 0..C {
-                row[c] = packs[c].0[l];
-            }
-        }
-    }
-
-    /// Writes chosen components of a tensor: column entry k is `values[components[k]]`.
-    #[inline(always)]
-    pub fn store_components(self, column: &mut [f64], components: &[usize], values: &[Pack; 6]) {
+    pub fn store_components<S: Simd, const D: usize>(
+        self,
+        column: &mut [f64],
+        components: &[usize],
+        v: &[Lanes<S>; 6],
+    ) {
         match *components {
-            [a] => self.store_packs(column, &[values[a]]),
-            [a, b, c] => self.store_packs(column, &[values[a], values[b], values[c]]),
-            [a, b, c, d] => self.store_packs(column, &[values[a], values[b], values[c], values[d]]),
-            _ => self.store_packs(column, values),
+            [a] if D == 1 => self.store(column, &[v[a]]),
+            [a, b, c] if D == 2 => self.store(column, &[v[a], v[b], v[c]]),
+            [a, b, c, d] if D == 2 => self.store(column, &[v[a], v[b], v[c], v[d]]),
+            _ => self.store(column, v),
         }
     }
 
     /// Reads what [`store_components`](Self::store_components) wrote, with zeros elsewhere.
     #[inline(always)]
-    pub fn load_components<S: Simd>(self, simd: S, column: &[f64], components: &[usize]) -> [Lanes<S>; 6] {
+    pub fn load_components<S: Simd, const D: usize>(
+        self,
+        simd: S,
+        column: &[f64],
+        components: &[usize],
+    ) -> [Lanes<S>; 6] {
         let mut out = [Lanes::splat(simd, 0.0); 6];
         match *components {
-            [a] => [out[a]] = self.load(simd, column),
-            [a, b, c] => [out[a], out[b], out[c]] = self.load(simd, column),
-            [a, b, c, d] => [out[a], out[b], out[c], out[d]] = self.load(simd, column),
+            [a] if D == 1 => [out[a]] = self.load(simd, column),
+            [a, b, c] if D == 2 => [out[a], out[b], out[c]] = self.load(simd, column),
+            [a, b, c, d] if D == 2 => [out[a], out[b], out[c], out[d]] = self.load(simd, column),
             _ => out = self.load(simd, column),
         }
         out
     }
 
+    /// One in the lane of each point, zero beyond.
+    #[inline(always)]
+    pub fn counts<S: Simd>(self, simd: S) -> Lanes<S> {
+        let mut counts = Pack([1.0; WIDTH]);
+        if self.count < Lanes::<S>::COUNT {
+            counts.0[self.count..].fill(0.0);
+        }
+        Lanes::load(simd, &counts)
+    }
+
     /// The points.
     pub fn points(self) -> Range<usize> {
         self.first..self.first + self.count
-    }
-}
-
-#[inline(always)]
-fn gather_all<S: Simd, const C: usize>(simd: S, rows: &[f64]) -> [Lanes<S>; C] {
-    let mut out = [Lanes::splat(simd, 0.0); C];
-    for c in 0..C {
-        out[c] = Lanes::gather(simd, rows, c, C);
-    }
-    out
-}
-
-#[inline(always)]
-fn scatter_all<S: Simd, const C: usize>(rows: &mut [f64], values: &[Lanes<S>; C]) {
-    for c in 0..C {
-        values[c].scatter(rows, c, C);
     }
 }
 
@@ -113,6 +110,12 @@ fn pad<const C: usize>(rows: &[f64], padded: &mut [f64; WIDTH * MOST]) {
 pub fn groups<S: Simd>(_: S, run: Range<usize>) -> impl Iterator<Item = Rows> {
     let width = Lanes::<S>::COUNT;
     run.clone().step_by(width).map(move |first| Rows { first, count: width.min(run.end - first) })
+}
+
+/// Asks for rows of a column ahead of their use.
+#[inline(always)]
+pub fn prefetch_rows(column: &[f64], width: usize, points: Range<usize>) {
+    prefetch(&column[(points.start * width).min(column.len())..(points.end * width).min(column.len())]);
 }
 
 #[cfg(test)]
@@ -140,10 +143,10 @@ mod tests {
                 assert_eq!(out[written.clone()], column[written.clone()]);
                 assert!(out.iter().enumerate().all(|(k, v)| written.contains(&k) || *v == -1.0));
                 let components = [0, 1, 3];
-                let six = rows.load_components(simd, &column, &components);
+                let six = rows.load_components::<S, 2>(simd, &column, &components);
                 assert_eq!((six[3].pack(), six[2].pack()), (lanes[2].pack(), Pack([0.0; WIDTH])));
                 let mut out = vec![-1.0; 60];
-                rows.store_components(&mut out, &components, &six.map(Lanes::pack));
+                rows.store_components::<S, 2>(&mut out, &components, &six);
                 assert_eq!(out[written.clone()], column[written.clone()]);
             }
         }

@@ -1,20 +1,25 @@
 //! The fields of the grid at points in step: the one loop from the nodes to the points that knows
 //! the functions of the cells. What is done with the samples is written once for all functions.
 
+use super::affine::Moments;
 use super::cells::{AffineMap, Cell, CellOf, Mapping};
 use super::chunk::Chunk;
 use super::kratos_faults::KratosFaults;
+use super::modes::Modes;
+use super::patches::Patches;
 use super::rows::{Rows, groups};
+use super::to_grid::packs;
 use crate::active::NO_CELL;
-use crate::grid::{numbers, vectors_of};
 use crate::space::{Space, with_basis};
 use bia_constitutive::Kinematics;
 use bia_constitutive::tensor::Tensor;
-use bia_kernel::lanes::{Lanes, Pack, Real, WIDTH, dispatch, turns};
-use bia_kernel::solving::ActiveDofs;
+use bia_kernel::lanes::{Lanes, Pack, WIDTH, dispatch, turns};
 use pulp::Simd;
 use std::marker::PhantomData;
-use std::ops::Range;
+
+/// Samples taken before something is done with them: so few that all streams of the points' numbers
+/// advance together, so many that their loops pay.
+const GROUPS: usize = 4;
 
 /// Nodal fields, over the active dofs; those that are empty are not sampled.
 #[derive(Clone, Copy, Default)]
@@ -45,12 +50,47 @@ pub enum Affine {
     Gradient,
 }
 
+/// The fields once more, those of a node side by side.
+#[derive(Default)]
+pub struct Records {
+    /// Deforming velocity and acceleration, each from a multiple of [`SECOND`] on; empty without both.
+    moving: Vec<Pack>,
+    /// Carrying and smooth velocity, where they are not the deforming one; empty without both.
+    resting: Vec<Pack>,
+}
+
+/// Where the second field of a record starts.
+const SECOND: usize = 4;
+
+impl Records {
+    /// Collects the fields, which have this many components.
+    pub fn fill(&mut self, fields: &Fields, dimension: usize) {
+        let other = |field: &'_ [f64]| if is_same(field, fields.deforming) { 0 } else { field.len() };
+        let (carrying, smooth) = (&fields.carrying[..other(fields.carrying)], &fields.smooth[..other(fields.smooth)]);
+        for (records, pair) in
+            [(&mut self.moving, [fields.deforming, fields.acceleration]), (&mut self.resting, [carrying, smooth])]
+        {
+            records.clear();
+            records.resize(pair[0].len().max(pair[1].len()) / dimension, Pack([0.0; WIDTH]));
+            for (field, first) in pair.into_iter().zip([0, SECOND]) {
+                for (record, vector) in records.iter_mut().zip(field.chunks_exact(dimension)) {
+                    record.0[first..first + dimension].copy_from_slice(vector);
+                }
+            }
+        }
+    }
+}
+
+fn is_same(a: &[f64], b: &[f64]) -> bool {
+    !a.is_empty() && std::ptr::eq(a, b)
+}
+
 /// What sampling needs to know of the grid.
 pub struct Grid<'a> {
     /// Its functions.
     pub space: &'a Space,
-    /// Numbers of the active functions.
-    pub dofs: &'a ActiveDofs,
+    /// Numbers of the active functions of each cell.
+    pub patches: &'a Patches,
     /// How positions become local coordinates.
     pub mapping: Mapping,
     /// Kinematics of the scene.
@@ -95,7 +135,7 @@ impl Sample {
     };
 }
 
-/// Samples of a chunk, kept from chunk to chunk.
+/// Samples, kept to be filled again.
 #[derive(Default)]
 pub struct Samples {
     samples: Vec<Sample>,
@@ -103,16 +143,23 @@ pub struct Samples {
 }
 
 impl Samples {
-    /// Samples the fields at all points of a chunk that have a cell.
-    pub fn take(&mut self, chunk: &Chunk, grid: &Grid, fields: &Fields) -> &[Sample] {
+    /// Samples the fields at the next few points of a chunk, leaving out those without a cell. Yields
+    /// where the ones after them start.
+    pub fn take(&mut self, chunk: &Chunk, first: usize, grid: &Grid, fields: &Fields, records: &Records) -> usize {
         self.len = 0;
-        for (range, first) in kinds(chunk.cell, grid.space) {
-            with_basis!(grid.space, first, |basis, D, N| {
-                let samples = &mut *self;
-                let task = Take::<_, D, N> { chunk, range, grid, fields, samples, basis: type_of(&basis) };
-                dispatch(grid.arch, task);
-            }, else ());
+        let cell = chunk.cell[first];
+        if cell == NO_CELL {
+            return first + chunk.cell[first..].iter().take_while(|cell| **cell == NO_CELL).count();
         }
+        with_basis!(grid.space, cell as usize, |basis, D, N| {
+            let samples = &mut *self;
+            let task = Take::<_, D, N> { chunk, first, grid, fields, records, samples, basis: type_of(&basis) };
+            dispatch(grid.arch, task)
+        }, else chunk.cell.len())
+    }
+
+    /// The samples.
+    pub fn taken(&self) -> &[Sample] {
         &self.samples[..self.len]
     }
 
@@ -126,17 +173,6 @@ impl Samples {
     }
 }
 
-/// Runs of points whose cells' functions have one type, and the first cell.
-fn kinds<'a>(cells: &'a [u32], space: &'a Space) -> impl Iterator<Item = (Range<usize>, usize)> + 'a {
-    let alike = |a: u32, b: u32| a == b || (a != NO_CELL && b != NO_CELL && space.alike(a as usize, b as usize));
-    let mut end = 0;
-    cells.chunk_by(move |a, b| alike(*a, *b)).filter_map(move |run| {
-        let range = end..end + run.len();
-        end = range.end;
-        (run[0] != NO_CELL).then_some((range, run[0] as usize))
-    })
-}
-
 /// The type of a value, for tasks that make their own.
 pub fn type_of<T>(_: &T) -> PhantomData<T> {
     PhantomData
@@ -145,201 +181,204 @@ pub fn type_of<T>(_: &T) -> PhantomData<T> {
 /// Samples at points in cells of one type.
 struct Take<'a, 'b, B, const D: usize, const N: usize> {
     chunk: &'b Chunk<'b>,
-    range: Range<usize>,
+    first: usize,
     grid: &'a Grid<'a>,
     fields: &'a Fields<'a>,
+    records: &'a Records,
     samples: &'b mut Samples,
     basis: PhantomData<B>,
 }
 
 impl<'a, B: CellOf<'a, D, N>, const D: usize, const N: usize> pulp::WithSimd for Take<'a, '_, B, D, N> {
-    type Output = ();
+    type Output = usize;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let Self { chunk, grid, fields, samples, .. } = self;
-        let mut first = self.range.start;
-        for run in chunk.cell[self.range].chunk_by(|a, b| a == b) {
-            let (index, points) = (run[0] as usize, first..first + run.len());
-            first = points.end;
-            let Some(cell) = Cell::<B, D, N>::of(grid.space, index, grid.mapping) else { continue };
-            let numbers = numbers::<N>(grid.dofs, grid.space.nodes_of(index));
-            let mut nodal = Nodal::<D, N> { deforming: vectors_of(&numbers, fields.deforming), ..Nodal::ZERO };
-            if !std::ptr::eq(fields.carrying, fields.deforming) {
-                nodal.carrying = vectors_of(&numbers, fields.carrying);
+    fn with_simd<S: Simd>(self, simd: S) -> usize {
+        let Self { chunk, mut first, grid, fields, records, samples, .. } = self;
+        let placed = fields.affine != Affine::None || grid.kinematics == Kinematics::Axisymmetric;
+        let kind = chunk.cell[first] as usize;
+        while first < chunk.cell.len() && samples.len < GROUPS {
+            let id = chunk.cell[first];
+            if id == NO_CELL || !grid.space.alike(kind, id as usize) {
+                break;
             }
-            nodal.acceleration = vectors_of(&numbers, fields.acceleration);
-            nodal.smooth = vectors_of(&numbers, fields.smooth);
-            if fields.affine == Affine::Moments {
-                nodal.places = places(grid.space, index, &numbers, fields.displacement);
+            let mut end = first + 1;
+            while end < chunk.cell.len() && chunk.cell[end] == id {
+                end += 1;
             }
+            let points = first..end;
+            first = end;
+            let Some(cell) = Cell::<B, D, N>::of(grid.space, id as usize, grid.mapping, placed) else { continue };
+            let numbers = grid.patches.numbers(grid.space, id as usize);
+            let nodal = Nodal::<N> {
+                moving: coefficients::<S, B, D, N>(simd, &records.moving, numbers),
+                resting: coefficients::<S, B, D, N>(simd, &records.resting, numbers),
+            };
             for rows in groups(simd, points) {
                 // Most cells have one group: what is spread over the lanes ahead of this loop is spilled.
                 let nodal = std::hint::black_box(&nodal);
                 let sample = samples.next();
                 (sample.rows, sample.cell) = (rows, cell.place());
-                let xi = cell.local(&rows.load(simd, chunk.position), || rows.load(simd, chunk.local));
-                let (functions, gradients) = grid.functions(&cell, &xi, !fields.deforming.is_empty());
-                if !fields.deforming.is_empty() {
-                    grid.gradient(&cell, &xi, &functions, &gradients, &nodal.deforming, &mut sample.gradient);
+                let position = rows.load::<S, D>(simd, chunk.position);
+                let xi = if cell.is_stored() { rows.load(simd, chunk.local) } else { cell.local(&position) };
+                if B::OF_MESH && grid.faults.misaligns(&cell.basis.functions(&xi)) {
+                    misaligned(grid, fields, &cell, &packs(&xi), numbers, sample);
+                } else {
+                    aligned(grid, fields, &cell, &xi, nodal, sample);
                 }
-                if !fields.carrying.is_empty() {
-                    let same = std::ptr::eq(fields.carrying, fields.deforming);
-                    let carrying = if same { &nodal.deforming } else { &nodal.carrying };
-                    interpolate(&functions, carrying, &mut sample.carrying);
-                }
-                if !fields.acceleration.is_empty() {
-                    interpolate(&functions, &nodal.acceleration, &mut sample.acceleration);
-                }
-                if !fields.smooth.is_empty() {
-                    interpolate(&functions, &nodal.smooth, &mut sample.smooth);
-                    match fields.affine {
-                        Affine::None => {}
-                        Affine::Gradient => {
-                            let (_, gradients) = grid.functions(&cell, &xi, true);
-                            grid.gradient(&cell, &xi, &functions, &gradients, &nodal.smooth, &mut sample.affine);
-                        }
-                        Affine::Moments => {
-                            let position = rows.load(simd, chunk.position);
-                            moments(&functions, &position, nodal, &mut sample.affine);
-                        }
-                    }
+                if fields.affine == Affine::Moments {
+                    let fields = [fields.smooth, fields.displacement];
+                    let (points, out) = ([packs(&xi), packs(&position)], &mut sample.affine);
+                    let cell = (&cell.basis, (grid.space, id as usize));
+                    Moments { basis: cell.0, cell: cell.1, numbers, fields, points, out }.find(simd);
                 }
             }
         }
+        first
     }
 }
 
-/// Fields at the nodes of a cell.
-struct Nodal<const D: usize, const N: usize> {
-    deforming: [[f64; D]; N],
-    carrying: [[f64; D]; N],
-    acceleration: [[f64; D]; N],
-    smooth: [[f64; D]; N],
-    /// Present places.
-    places: [[f64; D]; N],
+/// Coefficients of the modes of a cell.
+struct Nodal<const N: usize> {
+    moving: [Pack; N],
+    resting: [Pack; N],
 }
 
-impl<const D: usize, const N: usize> Nodal<D, N> {
-    const ZERO: Self = {
-        let zero = [[0.0; D]; N];
-        Self { deforming: zero, carrying: zero, acceleration: zero, smooth: zero, places: zero }
-    };
-}
-
-/// Present places of a cell's nodes: their anchors, displaced in the total frame.
+/// Records of nodes as coefficients of the modes; without records nothing that means anything.
 #[inline(always)]
-pub fn places<const D: usize, const N: usize>(
-    space: &Space,
-    cell: usize,
-    numbers: &[usize; N],
-    displacement: &[f64],
-) -> [[f64; D]; N] {
-    let mut places = space.corners::<D, N>(cell);
-    let moved = vectors_of::<D, N>(numbers, displacement);
-    for i in 0..turns::<N>() {
-        for a in 0..D {
-            places[i][a] += moved[i][a];
+fn coefficients<S: Simd, B: Modes<D, N>, const D: usize, const N: usize>(
+    simd: S,
+    records: &[Pack],
+    numbers: &[u32],
+) -> [Pack; N] {
+    let mut out = [Pack([0.0; WIDTH]); N];
+    if records.is_empty() {
+        return out;
+    }
+    let numbers = &numbers[..N];
+    for part in (0..WIDTH).step_by(Lanes::<S>::COUNT) {
+        let mut lanes = [Lanes::splat(simd, 0.0); N];
+        for i in 0..turns::<N>() {
+            lanes[i] = Lanes::load_slice(simd, &records[numbers[i] as usize].0[part..]);
+            if B::SCALE != 1.0 {
+                lanes[i] = lanes[i] * B::SCALE;
+            }
+        }
+        B::expand(&mut lanes);
+        for i in 0..turns::<N>() {
+            lanes[i].store_slice(&mut out[i].0[part..]);
         }
     }
-    places
+    out
 }
 
-/// Σ N v ⊗ (x_i − x_p).
+/// The fields at points in step.
 #[inline(always)]
-fn moments<S: Simd, const D: usize, const N: usize>(
-    functions: &[Lanes<S>; N],
-    position: &[Lanes<S>; D],
-    nodal: &Nodal<D, N>,
-    out: &mut Tensor<Pack>,
+fn aligned<'a, S: Simd, B: CellOf<'a, D, N>, const D: usize, const N: usize>(
+    grid: &Grid,
+    fields: &Fields,
+    cell: &Cell<B, D, N>,
+    xi: &[Lanes<S>; D],
+    nodal: &Nodal<N>,
+    sample: &mut Sample,
 ) {
-    for b in 0..D {
-        let mut column = [position[0].constant(0.0); D];
-        for i in 0..turns::<N>() {
-            let lever = functions[i] * (position[b].constant(nodal.places[i][b]) - position[b]);
-            for a in 0..D {
-                column[a] += lever * nodal.smooth[i][a];
-            }
-        }
-        for a in 0..D {
-            column[a].store(&mut out[a][b]);
+    let affine = fields.affine == Affine::Gradient && !fields.smooth.is_empty();
+    let at = cell.basis.at(xi, affine || !fields.deforming.is_empty());
+    if !fields.deforming.is_empty() {
+        gradient::<S, B, D, N>(grid, cell, xi, &at, &nodal.moving, 0, &mut sample.gradient);
+    }
+    if !fields.carrying.is_empty() {
+        let same = is_same(fields.carrying, fields.deforming);
+        vector::<S, B, D, N>(&at, if same { &nodal.moving } else { &nodal.resting }, 0, &mut sample.carrying);
+    }
+    if !fields.acceleration.is_empty() {
+        vector::<S, B, D, N>(&at, &nodal.moving, SECOND, &mut sample.acceleration);
+    }
+    if !fields.smooth.is_empty() {
+        let same = is_same(fields.smooth, fields.deforming);
+        let (from, first) = if same { (&nodal.moving, 0) } else { (&nodal.resting, SECOND) };
+        vector::<S, B, D, N>(&at, from, first, &mut sample.smooth);
+        if affine {
+            gradient::<S, B, D, N>(grid, cell, xi, &at, from, first, &mut sample.affine);
         }
     }
 }
 
-impl Grid<'_> {
-    /// Functions, and local gradients if wanted, with the faults that they are to have.
-    #[inline(always)]
-    fn functions<'a, S: Simd, B: CellOf<'a, D, N>, const D: usize, const N: usize>(
-        &self,
-        cell: &Cell<B, D, N>,
-        xi: &[Lanes<S>; D],
-        with_gradients: bool,
-    ) -> ([Lanes<S>; N], [[Lanes<S>; D]; N]) {
-        let mut functions = cell.basis.functions(xi);
-        let mut gradients = [[xi[0]; D]; N];
-        if with_gradients {
-            gradients = cell.basis.gradients(xi);
-        }
-        if B::OF_MESH {
-            self.faults.misalign_lanes(&mut functions, &mut gradients);
-        }
-        (functions, gradients)
-    }
-
-    /// ∂v/∂x = Σ v ⊗ J⁻ᵀ ∂N/∂ξ.
-    #[inline(always)]
-    fn gradient<'a, S: Simd, B: CellOf<'a, D, N>, const D: usize, const N: usize>(
-        &self,
-        cell: &Cell<B, D, N>,
-        xi: &[Lanes<S>; D],
-        functions: &[Lanes<S>; N],
-        gradients: &[[Lanes<S>; D]; N],
-        velocity: &[[f64; D]; N],
-        out: &mut Tensor<Pack>,
-    ) {
-        let zero = xi[0].constant(0.0);
-        let mut local = [[zero; D]; D];
-        for i in 0..turns::<N>() {
-            for a in 0..D {
-                for c in 0..D {
-                    local[a][c] += gradients[i][c] * velocity[i][a];
-                }
-            }
-        }
-        // Local gradients with a fault of Kratos have the Jacobian of those without.
-        let inverse = cell.inverse_jacobian(xi);
-        for a in 0..D {
-            for b in 0..D {
-                let mut sum = local[a][0] * inverse[0][b];
-                for c in 1..D {
-                    sum += local[a][c] * inverse[c][b];
-                }
-                sum.store(&mut out[a][b]);
-            }
-        }
-        if D == 2 && self.kinematics == Kinematics::Axisymmetric {
-            let mut radial = zero;
-            for i in 0..turns::<N>() {
-                radial += functions[i] * velocity[i][0];
-            }
-            (radial / cell.radius(xi)).store(&mut out[2][2]);
-        }
-    }
-}
-
-/// Σ N v.
+/// A vector whose components have coefficients from `first` on.
 #[inline(always)]
-fn interpolate<S: Simd, const D: usize, const N: usize>(
-    functions: &[Lanes<S>; N],
-    values: &[[f64; D]; N],
+fn vector<S: Simd, B: Modes<D, N>, const D: usize, const N: usize>(
+    at: &B::At<Lanes<S>>,
+    coefficients: &[Pack; N],
+    first: usize,
     out: &mut [Pack; 3],
 ) {
     for a in 0..D {
-        let mut sum = functions[0] * values[0][a];
-        for i in 1..turns::<N>() {
-            sum += functions[i] * values[i][a];
+        B::value(at, coefficients, first + a).store(&mut out[a]);
+    }
+}
+
+/// ∂v/∂x = Σ v ⊗ J⁻ᵀ ∂N/∂ξ of such a vector.
+#[inline(always)]
+fn gradient<'a, S: Simd, B: CellOf<'a, D, N>, const D: usize, const N: usize>(
+    grid: &Grid,
+    cell: &Cell<B, D, N>,
+    xi: &[Lanes<S>; D],
+    at: &B::At<Lanes<S>>,
+    coefficients: &[Pack; N],
+    first: usize,
+    out: &mut Tensor<Pack>,
+) {
+    let mut local = [[xi[0]; D]; D];
+    for a in 0..D {
+        local[a] = B::gradient(at, coefficients, first + a);
+    }
+    let gradient = cell.times_inverse(&local, xi, false);
+    for a in 0..D {
+        for b in 0..D {
+            gradient[a][b].store(&mut out[a][b]);
         }
-        sum.store(&mut out[a]);
+    }
+    if D == 2 && grid.kinematics == Kinematics::Axisymmetric {
+        (B::value(at, coefficients, first) / cell.radius(xi)).store(&mut out[2][2]);
+    }
+}
+
+/// The same point by point, where some have misaligned gradients. Local gradients with that fault
+/// have the Jacobian of those without.
+#[inline(never)]
+fn misaligned<'a, B: CellOf<'a, D, N>, const D: usize, const N: usize>(
+    grid: &Grid,
+    fields: &Fields,
+    cell: &Cell<B, D, N>,
+    xi: &[Pack; D],
+    numbers: &[u32],
+    sample: &mut Sample,
+) {
+    for l in 0..WIDTH {
+        let xi: [f64; D] = std::array::from_fn(|a| xi[a].0[l]);
+        let (mut functions, mut gradients) = (cell.basis.functions(&xi), cell.basis.gradients(&xi));
+        grid.faults.misalign(&mut functions, &mut gradients);
+        let of_node = |field: &[f64], i: usize, a: usize| field[numbers[i] as usize * D + a];
+        let value = |field: &[f64], a: usize| (0..N).map(|i| functions[i] * of_node(field, i, a)).sum::<f64>();
+        for (field, out) in [
+            (fields.carrying, &mut sample.carrying),
+            (fields.acceleration, &mut sample.acceleration),
+            (fields.smooth, &mut sample.smooth),
+        ] {
+            (0..D).filter(|_| !field.is_empty()).for_each(|a| out[a].0[l] = value(field, a));
+        }
+        let affine = if fields.affine == Affine::Gradient { fields.smooth } else { &[] };
+        for (field, out) in [(fields.deforming, &mut sample.gradient), (affine, &mut sample.affine)] {
+            if field.is_empty() {
+                continue;
+            }
+            let slope = |a: usize, c: usize| (0..N).map(|i| gradients[i][c] * of_node(field, i, a)).sum();
+            let local: [[f64; D]; D] = std::array::from_fn(|a| std::array::from_fn(|c| slope(a, c)));
+            let gradient = cell.times_inverse(&local, &xi, false);
+            (0..D).for_each(|a| (0..D).for_each(|b| out[a][b].0[l] = gradient[a][b]));
+            if grid.kinematics == Kinematics::Axisymmetric {
+                out[2][2].0[l] = value(field, 0) / cell.radius(&xi);
+            }
+        }
     }
 }

@@ -232,7 +232,6 @@ impl Explicit {
             active: &self.active,
             patches: &self.patches,
             space: &self.scene.space,
-            dofs: &self.nodes.dofs,
             mapping: self.mapping,
             frame: self.frame(),
             kinematics: points.kinematics,
@@ -255,9 +254,11 @@ impl Explicit {
         strokes: Strokes,
     ) -> Result<(), Error> {
         let begin = Instant::now();
+        let mut records = std::mem::take(&mut self.records);
+        records.fill(&fields, points.dimension());
         let grid = Grid {
             space: &self.scene.space,
-            dofs: &self.nodes.dofs,
+            patches: &self.patches,
             mapping: self.mapping,
             kinematics: points.kinematics,
             faults: self.faults,
@@ -267,6 +268,7 @@ impl Explicit {
         let field = Field {
             grid,
             fields,
+            records: &records,
             frame: self.frame(),
             time_step,
             gamma: self.gamma(),
@@ -277,6 +279,7 @@ impl Explicit {
             moves_by_point: self.settings.moves_by_point,
         };
         let found = to_points::apply(points, &field, strokes);
+        self.records = records;
         self.stages[TO_POINTS].1 += begin.elapsed();
         let found = found.map_err(|trouble| self.failure(points, &trouble, time_step))?;
         if strokes.kick && self.frame() == Frame::Updated {

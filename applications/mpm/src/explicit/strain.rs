@@ -8,12 +8,12 @@ use super::to_points::{AtPoint, Cause, Field};
 use crate::points::gradient_width;
 use bia_constitutive::tensor::{Tensor, adjugate, identity};
 use bia_constitutive::{Deformation, Group, Kinematics, Law, Voigt};
-use bia_kernel::lanes::{Lanes, Pack, WIDTH};
+use bia_kernel::lanes::{Lanes, Pack, WIDTH, dispatch};
 use nalgebra::Matrix3;
 use pulp::Simd;
 
 /// Groups of points whose law is asked in one call.
-const BATCH: usize = 8;
+const BATCH: usize = 4;
 
 /// The points of one block as far as their stress goes.
 pub struct Material<'a> {
@@ -27,61 +27,52 @@ pub struct Material<'a> {
     pub field: &'a Field<'a>,
 }
 
-/// Groups whose law has not been asked yet.
-struct Batch {
-    rows: [Rows; BATCH],
+/// Groups of points on the way to their law and back.
+pub struct Batch {
     /// Deformation gradients at the start of the step, for laws that do not answer in step.
     before: [Tensor<Pack>; BATCH],
     groups: [Group; BATCH],
     stresses: [[Pack; 6]; BATCH],
-    len: usize,
 }
 
-impl Batch {
-    fn new() -> Self {
+impl Default for Batch {
+    fn default() -> Self {
         let zero = Pack([0.0; WIDTH]);
         Self {
-            rows: [Rows { first: 0, count: 0 }; BATCH],
             before: [[[zero; 3]; 3]; BATCH],
             groups: [Group { gradient: [[zero; 3]; 3], strain: [zero; 6] }; BATCH],
             stresses: [[zero; 6]; BATCH],
-            len: 0,
         }
     }
 }
 
 impl Material<'_> {
-    /// Deforms the points of a chunk and asks their law for the stress.
+    /// Deforms the sampled points of a chunk and asks their law for the stress.
     ///
     /// # Errors
     /// An inverted deformation, or a law without an answer.
-    pub fn strain<const D: usize>(&self, chunk: &mut Chunk, samples: &[Sample]) -> AtPoint<()> {
-        self.field.grid.arch.dispatch(Strain::<D> { material: self, chunk, samples })
+    pub fn strain<const D: usize>(&self, chunk: &mut Chunk, samples: &[Sample], batch: &mut Batch) -> AtPoint<()> {
+        for samples in samples.chunks(BATCH) {
+            dispatch(self.field.grid.arch, Strain::<D> { material: self, chunk, samples, batch })?;
+            let (groups, stresses) = (&batch.groups[..samples.len()], &mut batch.stresses[..samples.len()]);
+            if !self.law.stresses_in_step(groups, stresses) {
+                for k in 0..samples.len() {
+                    let (group, before) = (&batch.groups[k], &batch.before[k]);
+                    batch.stresses[k] = self.one_by_one(chunk, samples[k].rows, group, before)?;
+                }
+            }
+            dispatch(self.field.grid.arch, Answer::<D> { material: self, chunk, samples, batch });
+            if !chunk.strain.is_empty() && !self.accumulates_strain(chunk) {
+                for k in 0..samples.len() {
+                    self.show_strain(chunk, samples[k].rows, &batch.groups[k], &batch.before[k]);
+                }
+            }
+        }
+        Ok(())
     }
 
     fn accumulates_strain(&self, chunk: &Chunk) -> bool {
         self.law.uses_strain() || (self.field.grid.faults.shows_accumulated_strain() && !chunk.strain.is_empty())
-    }
-
-    /// Asks the law about a batch and stores its answers.
-    fn ask(&self, chunk: &mut Chunk, batch: &mut Batch) -> AtPoint<()> {
-        let len = std::mem::take(&mut batch.len);
-        let in_step = self.law.stresses_in_step(&batch.groups[..len], &mut batch.stresses[..len]);
-        let components = self.kinematics.voigt();
-        let accumulates = self.accumulates_strain(chunk);
-        for k in 0..len {
-            let (rows, group) = (batch.rows[k], &batch.groups[k]);
-            if !in_step {
-                batch.stresses[k] = self.one_by_one(chunk, rows, group, &batch.before[k])?;
-            }
-            rows.store_components(chunk.stress, components, &batch.stresses[k]);
-            if accumulates {
-                rows.store_components(chunk.strain, components, &group.strain);
-            } else if !chunk.strain.is_empty() {
-                self.show_strain(chunk, rows, group, &batch.before[k]);
-            }
-        }
-        Ok(())
     }
 
     fn deformations(&self, chunk: &Chunk, group: &Group, before: &Tensor<Pack>) -> [Deformation; WIDTH] {
@@ -115,8 +106,11 @@ impl Material<'_> {
     fn show_strain(&self, chunk: &mut Chunk, rows: Rows, group: &Group, before: &Tensor<Pack>) {
         let deformations = self.deformations(chunk, group, before);
         let strains = deformations.map(|deformation| self.law.strain(&deformation));
-        let lanes = std::array::from_fn(|c| Pack(std::array::from_fn(|l| strains[l][c])));
-        rows.store_components(chunk.strain, self.kinematics.voigt(), &lanes);
+        for (strain, row) in strains.iter().zip(rows.points()) {
+            let components = self.kinematics.voigt();
+            let row = &mut chunk.strain[row * components.len()..(row + 1) * components.len()];
+            row.iter_mut().zip(components).for_each(|(entry, &c)| *entry = strain[c]);
+        }
     }
 }
 
@@ -125,6 +119,7 @@ struct Strain<'a, 'c, const D: usize> {
     material: &'a Material<'a>,
     chunk: &'a mut Chunk<'c>,
     samples: &'a [Sample],
+    batch: &'a mut Batch,
 }
 
 impl<const D: usize> pulp::WithSimd for Strain<'_, '_, D> {
@@ -132,11 +127,12 @@ impl<const D: usize> pulp::WithSimd for Strain<'_, '_, D> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let Self { material, chunk, samples } = self;
+        let Self { material, chunk, samples, batch } = self;
         let field = material.field;
         let accumulates = material.accumulates_strain(chunk);
-        let mut batch = Batch::new();
-        for sample in samples {
+        // What is asked of the strain of a law that does not take it needs the old gradient too.
+        let remembers = !material.law.answers_in_step() || (!chunk.strain.is_empty() && !accumulates);
+        for (k, sample) in samples.iter().enumerate() {
             let rows = sample.rows;
             let mut step = [[Lanes::splat(simd, 0.0); 3]; 3];
             for a in 0..3 {
@@ -152,30 +148,59 @@ impl<const D: usize> pulp::WithSimd for Strain<'_, '_, D> {
             if field.compressible {
                 material.deform(simd, chunk, rows, after)?;
             }
-            let (of_start, group) = (&mut batch.before[batch.len], &mut batch.groups[batch.len]);
+            let group = &mut batch.groups[k];
             for a in 0..3 {
                 for b in 0..3 {
                     after[a][b].store(&mut group.gradient[a][b]);
-                    if !material.law.answers_in_step() {
-                        before[a][b].store(&mut of_start[a][b]);
+                    if remembers {
+                        before[a][b].store(&mut batch.before[k][a][b]);
                     }
                 }
             }
             if accumulates {
-                let old = rows.load_components(simd, chunk.strain, material.kinematics.voigt());
+                let old = rows.load_components::<S, D>(simd, chunk.strain, material.kinematics.voigt());
                 let new = strain(&old, &motion.step, field.grid.faults);
-                for k in 0..6 {
-                    new[k].store(&mut group.strain[k]);
+                for c in 0..6 {
+                    new[c].store(&mut group.strain[c]);
                 }
             }
-            batch.rows[batch.len] = rows;
-            batch.len += 1;
-            if batch.len == BATCH {
-                material.ask(chunk, &mut batch)?;
+        }
+        Ok(())
+    }
+}
+
+/// What the law answered, and the strain that it was asked about.
+struct Answer<'a, 'c, const D: usize> {
+    material: &'a Material<'a>,
+    chunk: &'a mut Chunk<'c>,
+    samples: &'a [Sample],
+    batch: &'a Batch,
+}
+
+impl<const D: usize> pulp::WithSimd for Answer<'_, '_, D> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { material, chunk, samples, batch } = self;
+        let components = material.kinematics.voigt();
+        let accumulates = material.accumulates_strain(chunk);
+        for (k, sample) in samples.iter().enumerate() {
+            store::<S, D>(simd, sample.rows, chunk.stress, components, &batch.stresses[k]);
+            if accumulates {
+                store::<S, D>(simd, sample.rows, chunk.strain, components, &batch.groups[k].strain);
             }
         }
-        material.ask(chunk, &mut batch)
     }
+}
+
+#[inline(always)]
+fn store<S: Simd, const D: usize>(simd: S, rows: Rows, column: &mut [f64], components: &[usize], packs: &[Pack; 6]) {
+    let mut lanes = [Lanes::splat(simd, 0.0); 6];
+    for c in 0..6 {
+        lanes[c] = Lanes::load(simd, &packs[c]);
+    }
+    rows.store_components::<S, D>(column, components, &lanes);
 }
 
 impl Material<'_> {

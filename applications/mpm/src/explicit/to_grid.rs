@@ -4,17 +4,15 @@ use super::cells::{Cell, CellOf, Mapping};
 use super::kinematics::inverse as invert;
 use super::kratos_faults::KratosFaults;
 use super::patches::Patches;
-use super::rows::{Rows, groups};
-use super::sample::{Affine, places, type_of};
+use super::rows::{AHEAD, Rows, groups, prefetch_rows};
+use super::sample::{Affine, type_of};
 use super::strain::load_gradient;
 use crate::active::ActiveCells;
-use crate::grid::numbers;
 use crate::points::Block;
 use crate::settings::Frame;
 use crate::space::{Space, with_basis};
 use bia_constitutive::Kinematics;
-use bia_constitutive::tensor::Tensor;
-use bia_kernel::lanes::{Lanes, Pack, WIDTH, dispatch, turns};
+use bia_kernel::lanes::{Lanes, Pack, Real, WIDTH, dispatch, turns};
 use bia_kernel::solving::ActiveDofs;
 use bia_kernel::solving::ordered::in_order;
 use pulp::Simd;
@@ -30,7 +28,7 @@ pub struct NodalSums {
     pub momentum: Vec<f64>,
     /// Σ N m g − Σ V σ ∇N.
     pub force: Vec<f64>,
-    buffers: Vec<Vec<f64>>,
+    buffers: Vec<Vec<Pack>>,
 }
 
 /// What is summed.
@@ -47,11 +45,11 @@ pub enum Wanted {
 }
 
 impl Wanted {
-    fn momentum(self) -> bool {
+    pub(super) fn momentum(self) -> bool {
         self != Wanted::Force
     }
 
-    fn force(self) -> bool {
+    pub(super) fn force(self) -> bool {
         matches!(self, Wanted::Force | Wanted::Both)
     }
 }
@@ -66,8 +64,6 @@ pub struct Gather<'a> {
     pub patches: &'a Patches,
     /// The grid's functions.
     pub space: &'a Space,
-    /// Numbers of the active functions.
-    pub dofs: &'a ActiveDofs,
     /// How positions become local coordinates.
     pub mapping: Mapping,
     /// Where functions are evaluated.
@@ -100,16 +96,16 @@ impl NodalSums {
 
     /// Adds all points, patch by patch and cell by cell in a fixed order.
     pub fn add(&mut self, gather: &Gather, wanted: Wanted) {
-        let dimension = gather.dofs.block();
-        let compute = |patch: usize, buffer: &mut Vec<f64>| {
+        let dimension = gather.kinematics.dimension();
+        let compute = |patch: usize, buffer: &mut Vec<Pack>| {
             buffer.clear();
-            buffer.resize(RECORD * gather.patches.nodes(patch).len(), 0.0);
+            buffer.resize(gather.patches.nodes(patch).len(), Pack([0.0; WIDTH]));
             gather.add_patch(patch, wanted, buffer);
             Ok::<(), ()>(())
         };
         let (mass, momentum, force) = (&mut self.mass, &mut self.momentum, &mut self.force);
-        let add = |patch: usize, buffer: &Vec<f64>| {
-            for (sums, &number) in buffer.chunks_exact(RECORD).zip(gather.patches.nodes(patch)) {
+        let add = |patch: usize, buffer: &Vec<Pack>| {
+            for (Pack(sums), &number) in buffer.iter().zip(gather.patches.nodes(patch)) {
                 let number = number as usize;
                 let (with_momentum, with_force) = sums[1..1 + 2 * dimension].split_at(dimension);
                 let add = |to: &mut [f64], from: &[f64]| {
@@ -132,7 +128,7 @@ impl NodalSums {
 
 impl Gather<'_> {
     /// Adds the points of a patch to its nodes.
-    fn add_patch(&self, patch: usize, wanted: Wanted, sums: &mut [f64]) {
+    fn add_patch(&self, patch: usize, wanted: Wanted, sums: &mut [Pack]) {
         let range = self.patches.cells(patch);
         let (mut first, mut places) = (range.start, self.patches.places(patch));
         let alike = |a: &u32, b: &u32| self.space.alike(*a as usize, *b as usize);
@@ -151,97 +147,53 @@ impl Gather<'_> {
 }
 
 /// The points of cells of one type, for the widest vectors that the machine has.
-struct Cells<'a, 's, B, const D: usize, const N: usize> {
-    gather: &'a Gather<'a>,
+pub(super) struct Cells<'a, 's, B, const D: usize, const N: usize> {
+    pub(super) gather: &'a Gather<'a>,
     cells: Range<usize>,
     places: &'s [u32],
-    wanted: Wanted,
-    sums: &'s mut [f64],
+    pub(super) wanted: Wanted,
+    /// A record for each node of the patch: mass, momentum, force, and room to fill up to eight.
+    pub(super) sums: &'s mut [Pack],
     basis: PhantomData<B>,
 }
 
-/// Numbers that each node of a patch sums: mass, momentum, force, and room to fill up to eight.
-const RECORD: usize = 8;
-
-/// Share of the spread of a cell's nodes about a point that is added to it, so that it has an inverse.
-const TINY: f64 = f64::EPSILON;
-
-/// An affine velocity field about points.
-struct AffineField<S: Simd, const D: usize, const N: usize> {
-    /// From the point to each node.
-    lever: [[Lanes<S>; D]; N],
-    gradient: [[Lanes<S>; D]; D],
-}
-
-impl<S: Simd, const D: usize, const N: usize> AffineField<S, D, N> {
-    /// Adds the momentum that the field gives node `i` beside that of the point.
-    #[inline(always)]
-    fn add(&self, i: usize, mass: Lanes<S>, momentum: &mut [Lanes<S>; D]) {
-        for a in 0..D {
-            let mut velocity = self.gradient[a][0] * self.lever[i][0];
-            for b in 1..D {
-                velocity += self.gradient[a][b] * self.lever[i][b];
-            }
-            momentum[a] += velocity * mass;
-        }
-    }
-}
-
-/// D × D entries of each row.
-#[inline(always)]
-fn load_tensor<S: Simd, const D: usize>(simd: S, rows: Rows, column: &[f64]) -> [[Lanes<S>; D]; D] {
-    let mut out = [[Lanes::splat(simd, 0.0); D]; D];
-    for a in 0..D {
-        for b in 0..D {
-            let mut pack = Pack([0.0; WIDTH]);
-            for (l, point) in rows.points().enumerate() {
-                pack.0[l] = column[(point * D + a) * D + b];
-            }
-            out[a][b] = Lanes::load(simd, &pack);
-        }
-    }
-    out
-}
-
-/// What makes the nodal forces of points in step.
-struct Force<S: Simd, const D: usize> {
-    /// V σ J⁻ᵀ.
-    pull: [[Lanes<S>; D]; D],
+/// What points bring to their nodes.
+pub(super) struct Load<T, const D: usize> {
+    /// m.
+    pub(super) mass: T,
+    /// m v.
+    pub(super) momentum: [T; D],
     /// m g.
-    weight: [Lanes<S>; D],
+    pub(super) weight: [T; D],
+    /// V σ J⁻ᵀ.
+    pub(super) pull: [[T; D]; D],
     /// V σ_θθ/r of axisymmetric scenes, else zero.
-    hoop: Lanes<S>,
+    pub(super) hoop: T,
 }
 
-/// Functions at points in step.
-struct AtPoints<S: Simd, const D: usize, const N: usize> {
-    /// All functions: they carry mass, momentum and body forces to the grid.
-    all: [Lanes<S>; N],
-    /// Functions for everything else; they differ from `all` by a fault of Kratos alone.
-    functions: [Lanes<S>; N],
-    /// Local gradients.
-    gradients: [[Lanes<S>; D]; N],
-    /// J⁻¹.
-    inverse: [[Lanes<S>; D]; D],
-    /// Distance from the axis of axisymmetric scenes.
-    radius: Lanes<S>,
-}
+/// Chunks of eight modes that a cell may have.
+const CHUNKS: usize = 8;
 
 impl<'a, B: CellOf<'a, D, N>, const D: usize, const N: usize> pulp::WithSimd for Cells<'a, '_, B, D, N> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) {
-        let Gather { active, space, mapping, .. } = *self.gather;
+        let Gather { active, space, mapping, affine, kinematics, .. } = *self.gather;
+        let placed = affine != Affine::None || kinematics == Kinematics::Axisymmetric;
         let places = self.places;
         for (index, places) in self.cells.clone().zip(places.chunks_exact(N)) {
-            let Some(cell) = Cell::<B, D, N>::of(space, active.cells[index] as usize, mapping) else { continue };
-            // Runs of neighbouring points of one block.
-            for run in active.points(index).chunk_by(|a, b| a.0 == b.0 && a.1 + 1 == b.1) {
-                let block = &self.gather.blocks[run[0].0 as usize];
-                let first = run[0].1 as usize;
-                for rows in groups(simd, first..first + run.len()) {
-                    self.add_points(simd, &cell, block, rows, places, index);
+            let id = active.cells[index] as usize;
+            let Some(cell) = Cell::<B, D, N>::of(space, id, mapping, placed) else { continue };
+            for run in active.runs(index) {
+                let block = &self.gather.blocks[run.block as usize];
+                let first = run.first as usize;
+                self.prefetch(block, first + AHEAD..first + AHEAD + run.count as usize);
+                for rows in groups(simd, first..first + run.count as usize) {
+                    self.add_points(simd, &cell, block, rows, places);
+                    if affine != Affine::None && self.wanted.momentum() {
+                        self.add_affine(simd, &cell, id, block, rows, places);
+                    }
                 }
             }
         }
@@ -249,153 +201,95 @@ impl<'a, B: CellOf<'a, D, N>, const D: usize, const N: usize> pulp::WithSimd for
 }
 
 impl<'a, B: CellOf<'a, D, N>, const D: usize, const N: usize> Cells<'a, '_, B, D, N> {
+    /// Asks for what points will bring.
+    #[inline(always)]
+    fn prefetch(&self, block: &Block, points: Range<usize>) {
+        prefetch_rows(block.position.values(), D, points.clone());
+        prefetch_rows(block.mass.values(), 1, points.clone());
+        if self.wanted.momentum() {
+            prefetch_rows(block.velocity.values(), D, points.clone());
+        }
+        if self.wanted.force() {
+            prefetch_rows(block.volume.values(), 1, points.clone());
+            prefetch_rows(block.stress.values(), block.stress.width(), points);
+        }
+    }
+
     /// Adds points to the nodes of their cell, which have these places in the patch.
     #[inline(always)]
-    fn add_points<S: Simd>(
-        &mut self,
-        simd: S,
-        cell: &Cell<B, D, N>,
-        block: &Block,
-        rows: Rows,
-        places: &[u32],
-        index: usize,
-    ) {
-        let zero = Lanes::splat(simd, 0.0);
-        let at = self.at_points(simd, cell, block, rows);
-        // Lanes beyond the last point count nothing.
-        let mut counts = Pack([1.0; WIDTH]);
-        counts.0[rows.count..].fill(0.0);
-        let [mass] = rows.load::<S, 1>(simd, block.mass.values());
-        let mass = mass * Lanes::load(simd, &counts);
-        let mut momentum = [zero; D];
+    fn add_points<S: Simd>(&mut self, simd: S, cell: &Cell<B, D, N>, block: &Block, rows: Rows, places: &[u32]) {
+        let position = rows.load::<S, D>(simd, block.position.values());
+        let xi = if cell.is_stored() { rows.load(simd, block.local.values()) } else { cell.local(&position) };
+        let load = self.load(simd, cell, &xi, block, rows);
+        if B::OF_MESH && self.gather.faults.misaligns(&cell.basis.functions(&xi)) {
+            return self.add_misaligned(cell, &packs(&xi), &load.packs(), rows.count, places);
+        }
+        let at = cell.basis.at(&xi, self.wanted.force());
+        // Sums over the points, by eight modes and quantity.
+        let mut sums = [[Pack([0.0; WIDTH]); WIDTH]; CHUNKS];
         if self.wanted.momentum() {
-            momentum = self.velocity(simd, block, rows);
+            if self.wanted != Wanted::MovedMomentum {
+                add_up(&mut sums, 0, &B::weigh(&at, load.mass));
+            }
             for a in 0..D {
-                momentum[a] *= mass;
+                add_up(&mut sums, 1 + a, &B::weigh(&at, load.momentum[a]));
             }
         }
-        let mut force = Force { pull: [[zero; D]; D], weight: [zero; D], hoop: zero };
         if self.wanted.force() {
-            force = self.force(simd, &at, block, rows, mass);
+            for a in 0..D {
+                let weight = if a == 0 { load.weight[0] - load.hoop } else { load.weight[a] };
+                add_up(&mut sums, 1 + D + a, &B::pull(&at, weight, &load.pull[a]));
+            }
         }
-        let affine = if self.wanted.momentum() && self.gather.affine != Affine::None {
-            Some(self.affine(simd, cell, &at, block, rows, index))
-        } else {
-            None
-        };
-        for (i, &place) in places.iter().enumerate() {
-            let mut record = [zero; RECORD];
-            if self.wanted.momentum() {
-                let moved = self.wanted == Wanted::MovedMomentum;
-                let function = if moved { at.functions[i] } else { at.all[i] };
-                if !moved {
-                    record[0] = function * mass;
-                }
-                let mut of_node = momentum;
-                if let Some(affine) = &affine {
-                    affine.add(i, mass, &mut of_node);
-                }
-                for a in 0..D {
-                    record[1 + a] = function * of_node[a];
-                }
+        let mut records = [Pack([0.0; WIDTH]); N];
+        for chunk in 0..turns::<N>().div_ceil(WIDTH) {
+            let of_modes = Lanes::transposed(simd, &sums[chunk]);
+            for (record, sums) in records[chunk * WIDTH..].iter_mut().zip(of_modes) {
+                *record = sums;
             }
-            if self.wanted.force() {
-                for a in 0..D {
-                    let mut sum = at.all[i] * force.weight[a];
-                    for c in 0..D {
-                        sum -= at.gradients[i][c] * force.pull[a][c];
-                    }
-                    record[1 + D + a] = sum;
-                }
-                record[1 + D] -= at.functions[i] * force.hoop;
+        }
+        for part in (0..WIDTH).step_by(Lanes::<S>::COUNT) {
+            let mut of_nodes = [Lanes::splat(simd, 0.0); N];
+            for i in 0..turns::<N>() {
+                of_nodes[i] = Lanes::load_slice(simd, &records[i].0[part..]);
             }
-            let place = place as usize * RECORD;
-            let node = &mut self.sums[place..place + RECORD];
-            let sums = Lanes::sums(&record);
-            for k in 0..RECORD {
-                node[k] += sums[k];
+            B::collect(&mut of_nodes);
+            for i in 0..turns::<N>() {
+                let node = &mut self.sums[places[i] as usize].0[part..];
+                (Lanes::load_slice(simd, node) + of_nodes[i]).store_slice(node);
             }
         }
     }
 
-    /// The affine field about points: C = B D⁻¹, D = Σ N (x_i − x_p) ⊗ (x_i − x_p), from the moments B,
-    /// or the gradient that is kept.
+    /// What the points bring, over the scale of the modes. Lanes beyond the last point bring nothing.
     #[inline(always)]
-    fn affine<S: Simd>(
+    fn load<S: Simd>(
         &self,
         simd: S,
         cell: &Cell<B, D, N>,
-        at: &AtPoints<S, D, N>,
+        xi: &[Lanes<S>; D],
         block: &Block,
         rows: Rows,
-        index: usize,
-    ) -> AffineField<S, D, N> {
-        let Gather { active, space, dofs, displacement, affine, .. } = *self.gather;
-        let id = active.cells[index] as usize;
-        let numbers = numbers::<N>(dofs, space.nodes_of(id));
-        let moments = affine == Affine::Moments;
-        let displacement = if moments { displacement } else { &[] };
-        let places = places::<D, N>(space, id, &numbers, displacement);
+    ) -> Load<Lanes<S>, D> {
         let zero = Lanes::splat(simd, 0.0);
-        let kept = load_tensor::<S, D>(simd, rows, block.transfer.values());
-        let mut position = rows.load::<S, D>(simd, block.position.values());
-        if !moments && self.gather.frame == Frame::Total {
-            // The gradient is with respect to the first places.
-            let xi = cell.local(&position, || rows.load(simd, block.local.values()));
-            position = cell.basis.position(&xi, &at.all);
-        }
-        let (mut lever, mut spread) = ([[zero; D]; N], [[zero; 3]; 3]);
-        for i in 0..turns::<N>() {
+        let scale = rows.counts(simd) * B::SCALE;
+        let [mass] = rows.load::<S, 1>(simd, block.mass.values());
+        let mass = mass * scale;
+        let mut load = Load { mass, momentum: [zero; D], weight: [zero; D], pull: [[zero; D]; D], hoop: zero };
+        if self.wanted.momentum() {
+            load.momentum = self.velocity(simd, block, rows);
             for a in 0..D {
-                lever[i][a] = zero + places[i][a] - position[a];
-            }
-            for a in 0..D {
-                for b in 0..D {
-                    spread[a][b] += at.all[i] * lever[i][a] * lever[i][b];
-                }
+                load.momentum[a] *= mass;
             }
         }
-        if !moments {
-            return AffineField { lever, gradient: kept };
-        }
-        // Where the points lie on nodes, D has no inverse, and B vanishes with it.
-        let mut trace = spread[0][0];
-        for a in 1..D {
-            trace += spread[a][a];
-        }
-        for a in 0..3 {
-            let missing = if a < D { trace * TINY + f64::MIN_POSITIVE } else { zero + 1.0 };
-            spread[a][a] += missing;
-        }
-        let inverse = invert(&spread);
-        let mut gradient = [[zero; D]; D];
-        for a in 0..D {
-            for b in 0..D {
-                for c in 0..D {
-                    gradient[a][b] += kept[a][c] * inverse[c][b];
-                }
-            }
-        }
-        AffineField { lever, gradient }
-    }
-
-    #[inline(always)]
-    fn at_points<S: Simd>(&self, simd: S, cell: &Cell<B, D, N>, block: &Block, rows: Rows) -> AtPoints<S, D, N> {
-        let zero = Lanes::splat(simd, 0.0);
-        let position = rows.load(simd, block.position.values());
-        let xi = cell.local(&position, || rows.load(simd, block.local.values()));
-        let all = cell.basis.functions(&xi);
-        let (mut functions, mut gradients, mut inverse) = (all, [[zero; D]; N], [[zero; D]; D]);
         if self.wanted.force() {
-            gradients = cell.basis.gradients(&xi);
-            inverse = cell.inverse_jacobian(&xi);
+            load.weight = self.body(simd, block, rows);
+            for a in 0..D {
+                load.weight[a] *= mass;
+            }
+            self.add_stress(simd, cell, xi, block, rows, scale, &mut load);
         }
-        let axisymmetric = self.gather.kinematics == Kinematics::Axisymmetric;
-        let radius = if axisymmetric { cell.radius(&xi) } else { zero };
-        if B::OF_MESH {
-            self.gather.faults.misalign_lanes(&mut functions, &mut gradients);
-        }
-        AtPoints { all, functions, gradients, inverse, radius }
+        load
     }
 
     #[inline(always)]
@@ -410,51 +304,47 @@ impl<'a, B: CellOf<'a, D, N>, const D: usize, const N: usize> Cells<'a, '_, B, D
         velocity
     }
 
-    /// What makes the nodal force f = Σ N m g − V σ ∇N, ∇N = J⁻ᵀ ∂N/∂ξ; in the total frame
-    /// ∇N = F⁻ᵀ J⁻ᵀ ∂N/∂ξ.
+    /// The part −V σ ∇N of the nodal force, ∇N = J⁻ᵀ ∂N/∂ξ; in the total frame ∇N = F⁻ᵀ J⁻ᵀ ∂N/∂ξ.
+    #[expect(clippy::too_many_arguments)]
     #[inline(always)]
-    fn force<S: Simd>(
+    fn add_stress<S: Simd>(
         &self,
         simd: S,
-        at: &AtPoints<S, D, N>,
+        cell: &Cell<B, D, N>,
+        xi: &[Lanes<S>; D],
         block: &Block,
         rows: Rows,
-        mass: Lanes<S>,
-    ) -> Force<S, D> {
-        let mut counts = Pack([1.0; WIDTH]);
-        counts.0[rows.count..].fill(0.0);
-        let [volume] = rows.load::<S, 1>(simd, block.volume.values());
-        let volume = volume * Lanes::load(simd, &counts);
+        scale: Lanes<S>,
+        load: &mut Load<Lanes<S>, D>,
+    ) {
         let kinematics = self.gather.kinematics;
-        let stress = tensor(&rows.load_components(simd, block.stress.values(), kinematics.voigt()));
-        let mut inverse = at.inverse;
-        let mut hoop = volume;
+        let [volume] = rows.load::<S, 1>(simd, block.volume.values());
+        let mut stress = rows.load_components::<S, D>(simd, block.stress.values(), kinematics.voigt());
+        for component in &mut stress {
+            *component *= volume * scale;
+        }
+        let [xx, yy, zz, xy, yz, xz] = stress;
+        let full = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
+        for a in 0..D {
+            load.pull[a].copy_from_slice(&full[a][..D]);
+        }
+        let mut hoop = zz;
         if self.gather.frame == Frame::Total {
             let back = invert(&load_gradient::<S, D>(simd, rows, block.gradient.values(), kinematics));
-            for c in 0..D {
-                for b in 0..D {
-                    inverse[c][b] = at.inverse[c][0] * back[0][b];
-                    for k in 1..D {
-                        inverse[c][b] += at.inverse[c][k] * back[k][b];
+            for a in 0..D {
+                for k in 0..D {
+                    load.pull[a][k] = full[a][0] * back[k][0];
+                    for b in 1..D {
+                        load.pull[a][k] += full[a][b] * back[k][b];
                     }
                 }
             }
             hoop *= back[2][2];
         }
-        let axisymmetric = kinematics == Kinematics::Axisymmetric;
-        hoop = if axisymmetric { hoop * stress[2][2] / at.radius } else { Lanes::splat(simd, 0.0) };
-        let (mut pull, mut weight) = ([[volume; D]; D], self.body(simd, block, rows));
-        for a in 0..D {
-            weight[a] *= mass;
-            for c in 0..D {
-                let mut sum = stress[a][0] * inverse[c][0];
-                for b in 1..D {
-                    sum += stress[a][b] * inverse[c][b];
-                }
-                pull[a][c] *= sum;
-            }
+        load.pull = cell.times_inverse(&load.pull, xi, true);
+        if D == 2 && kinematics == Kinematics::Axisymmetric {
+            load.hoop = hoop / cell.radius(xi);
         }
-        Force { pull, weight, hoop }
     }
 
     /// Body force per mass.
@@ -471,8 +361,77 @@ impl<'a, B: CellOf<'a, D, N>, const D: usize, const N: usize> Cells<'a, '_, B, D
     }
 }
 
-/// The tensor of Voigt components.
+/// Sums a quantity over the lanes, eight modes at a time.
 #[inline(always)]
-fn tensor<S: Simd>(v: &[Lanes<S>; 6]) -> Tensor<Lanes<S>> {
-    [[v[0], v[3], v[5]], [v[3], v[1], v[4]], [v[5], v[4], v[2]]]
+fn add_up<S: Simd, const N: usize>(sums: &mut [[Pack; WIDTH]; CHUNKS], quantity: usize, values: &[Lanes<S>; N]) {
+    const { assert!(N <= CHUNKS * WIDTH, "too many functions in a cell") };
+    for chunk in 0..turns::<N>().div_ceil(WIDTH) {
+        let mut eight = [values[0].constant(0.0); WIDTH];
+        for k in 0..WIDTH {
+            if chunk * WIDTH + k < N {
+                eight[k] = values[chunk * WIDTH + k];
+            }
+        }
+        sums[chunk][quantity] = Lanes::sums(&eight);
+    }
+}
+
+#[inline(always)]
+pub(super) fn packs<S: Simd, const C: usize>(lanes: &[Lanes<S>; C]) -> [Pack; C] {
+    let mut packs = [Pack([0.0; WIDTH]); C];
+    for c in 0..C {
+        lanes[c].store(&mut packs[c]);
+    }
+    packs
+}
+
+impl<S: Simd, const D: usize> Load<Lanes<S>, D> {
+    #[inline(always)]
+    fn packs(&self) -> Load<Pack, D> {
+        let mut pull = [[Pack([0.0; WIDTH]); D]; D];
+        for a in 0..D {
+            pull[a] = packs(&self.pull[a]);
+        }
+        let (mass, hoop) = (self.mass.pack(), self.hoop.pack());
+        Load { mass, momentum: packs(&self.momentum), weight: packs(&self.weight), pull, hoop }
+    }
+}
+
+impl<'a, B: CellOf<'a, D, N>, const D: usize, const N: usize> Cells<'a, '_, B, D, N> {
+    /// Adds points some of which have misaligned gradients, one by one.
+    #[inline(never)]
+    fn add_misaligned(
+        &mut self,
+        cell: &Cell<B, D, N>,
+        xi: &[Pack; D],
+        load: &Load<Pack, D>,
+        count: usize,
+        places: &[u32],
+    ) {
+        let moved = self.wanted == Wanted::MovedMomentum;
+        for l in 0..count {
+            let xi: [f64; D] = std::array::from_fn(|a| xi[a].0[l]);
+            // These carry mass, momentum and body forces to the grid.
+            let all = cell.basis.functions(&xi);
+            let (mut functions, mut gradients) = (all, cell.basis.gradients(&xi));
+            self.gather.faults.misalign(&mut functions, &mut gradients);
+            for i in 0..N {
+                let node = &mut self.sums[places[i] as usize].0;
+                let (all, function) = (all[i] / B::SCALE, functions[i] / B::SCALE);
+                if self.wanted.momentum() {
+                    node[0] += if moved { 0.0 } else { all * load.mass.0[l] };
+                    for a in 0..D {
+                        node[1 + a] += if moved { function } else { all } * load.momentum[a].0[l];
+                    }
+                }
+                if self.wanted.force() {
+                    for a in 0..D {
+                        let pull: f64 = (0..D).map(|c| gradients[i][c] * load.pull[a][c].0[l]).sum();
+                        node[1 + D + a] += all * load.weight[a].0[l] - pull / B::SCALE;
+                    }
+                    node[1 + D] -= function * load.hoop.0[l];
+                }
+            }
+        }
+    }
 }

@@ -2,14 +2,15 @@
 //! the strain deforms points and asks their laws, the drift moves them.
 
 use super::chunk::{Chunk, Opened, open};
+use super::rows::AHEAD;
 use super::rows::Rows;
-use super::sample::{Affine, Fields, Grid, Sample, Samples};
-use super::strain::Material;
+use super::sample::{Affine, Fields, Grid, Records, Sample, Samples};
+use super::strain::{Batch, Material};
 use crate::points::MaterialPoints;
 use crate::settings::{Frame, Transfer};
 use bia_constitutive::LawError;
 use bia_constitutive::tensor::Tensor;
-use bia_kernel::lanes::{Lanes, Pack, Real, WIDTH};
+use bia_kernel::lanes::{Lanes, Pack, Real, WIDTH, dispatch};
 use pulp::Simd;
 use rayon::prelude::*;
 
@@ -19,6 +20,8 @@ pub struct Field<'a> {
     pub grid: Grid<'a>,
     /// Its fields.
     pub fields: Fields<'a>,
+    /// The same node by node.
+    pub records: &'a Records,
     /// Where functions are evaluated.
     pub frame: Frame,
     /// Time step in seconds.
@@ -99,25 +102,22 @@ pub fn apply(points: &mut MaterialPoints, field: &Field, strokes: Strokes) -> Re
     for (index, block) in points.blocks.iter_mut().enumerate() {
         let Opened { law, density, mut chunks } = open(block);
         let material = Material { law, density, kinematics, field };
-        let work = |samples: &mut Samples, chunk: &mut Chunk| {
-            let mut found = OfChunk::default();
-            chunk.warm();
-            let samples = samples.take(chunk, &field.grid, &field.fields);
+        let work = |scratch: &mut Scratch, chunk: &mut Chunk| {
             let worked = match kinematics.dimension() {
-                1 => strike::<1>(chunk, samples, &material, strokes, &mut found),
-                2 => strike::<2>(chunk, samples, &material, strokes, &mut found),
-                _ => strike::<3>(chunk, samples, &material, strokes, &mut found),
+                1 => work_on::<1>(chunk, &material, strokes, scratch),
+                2 => work_on::<2>(chunk, &material, strokes, scratch),
+                _ => work_on::<3>(chunk, &material, strokes, scratch),
             };
             let first = chunk.first;
-            worked.map_err(|(point, cause)| Trouble { block: index, point: first + point, cause })?;
+            let mut found = worked.map_err(|(point, cause)| Trouble { block: index, point: first + point, cause })?;
             found.leavers.iter_mut().for_each(|point| *point += first as u32);
             Ok(found)
         };
         let of_chunks: Vec<Result<OfChunk, Trouble>> = if rayon::current_num_threads() > 1 {
-            chunks.par_iter_mut().map_init(Samples::default, work).collect()
+            chunks.par_iter_mut().map_init(Scratch::default, work).collect()
         } else {
-            let mut samples = Samples::default();
-            chunks.iter_mut().map(|chunk| work(&mut samples, chunk)).collect()
+            let mut scratch = Scratch::default();
+            chunks.iter_mut().map(|chunk| work(&mut scratch, chunk)).collect()
         };
         for found in of_chunks {
             let OfChunk { fastest, leavers } = found?;
@@ -129,28 +129,43 @@ pub fn apply(points: &mut MaterialPoints, field: &Field, strokes: Strokes) -> Re
     Ok(findings)
 }
 
-/// All strokes on one chunk.
-fn strike<const D: usize>(
+/// Room for work, kept from chunk to chunk.
+#[derive(Default)]
+struct Scratch {
+    samples: Samples,
+    batch: Box<Batch>,
+}
+
+/// All strokes on a chunk, a few groups of points at a time.
+fn work_on<const D: usize>(
     chunk: &mut Chunk,
-    samples: &[Sample],
     material: &Material,
     strokes: Strokes,
-    found: &mut OfChunk,
-) -> AtPoint<()> {
+    scratch: &mut Scratch,
+) -> AtPoint<OfChunk> {
     let (field, arch) = (material.field, material.field.grid.arch);
-    if strokes.strain {
-        material.strain::<D>(chunk, samples)?;
+    let Scratch { samples, batch } = scratch;
+    let (mut found, mut next, mut fetched) = (OfChunk::default(), 0, 0);
+    while next < chunk.cell.len() {
+        let end = chunk.cell.len().min(next + AHEAD);
+        chunk.prefetch(fetched..end, strokes);
+        fetched = end;
+        next = samples.take(chunk, next, &field.grid, &field.fields, field.records);
+        let samples = samples.taken();
+        if strokes.strain {
+            material.strain::<D>(chunk, samples, batch)?;
+        }
+        if strokes.filter {
+            dispatch(arch, Filter::<D> { chunk, samples });
+        }
+        if strokes.kick {
+            found.fastest = dispatch(arch, Kick::<D> { chunk, samples, field })?.max(found.fastest);
+        }
+        if strokes.drift {
+            dispatch(arch, Drift::<D> { chunk, samples, field, leavers: &mut found.leavers })?;
+        }
     }
-    if strokes.filter {
-        arch.dispatch(Filter::<D> { chunk, samples });
-    }
-    if strokes.kick {
-        found.fastest = arch.dispatch(Kick::<D> { chunk, samples, field })?;
-    }
-    if strokes.drift {
-        arch.dispatch(Drift::<D> { chunk, samples, field, leavers: &mut found.leavers })?;
-    }
-    Ok(())
+    Ok(found)
 }
 
 /// |v|² of each lane.
@@ -303,8 +318,8 @@ impl<const D: usize> pulp::WithSimd for Drift<'_, '_, D> {
             if field.frame == Frame::Updated {
                 let mut place = [path[0].constant(0.0); 3];
                 place[..D].copy_from_slice(&position);
-                let holds = sample.cell.map_or([false; WIDTH], |cell| cell.holds(&place));
-                if holds != [true; WIDTH] {
+                if !sample.cell.as_ref().is_some_and(|cell| cell.holds_all(&place)) {
+                    let holds = sample.cell.map_or([false; WIDTH], |cell| cell.holds(&place));
                     let out = rows.points().zip(holds).filter(|(_, holds)| !holds);
                     leavers.extend(out.map(|(point, _)| point as u32));
                 }

@@ -100,8 +100,8 @@ impl Problem<'_> {
                 increments: nodal_vectors(self.dofs, nodes, &self.increments),
                 inertia: nodal_vectors(self.dofs, nodes, weighted),
             };
-            let points = self.active.points(index);
-            let task = CellTask::<_, D, N> { integrator, state: &state, points, buffer, with_matrix, basis };
+            let points: Vec<(u32, u32)> = self.active.points(index).collect();
+            let task = CellTask::<_, D, N> { integrator, state: &state, points: &points, buffer, with_matrix, basis };
             dispatch(self.arch, task)
         }, else Ok(()))
     }

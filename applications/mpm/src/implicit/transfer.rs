@@ -53,7 +53,7 @@ impl NodalSums {
             let cell = active.cells[index] as usize;
             buffer.clear();
             buffer.resize(width * space.nodes_of(cell).len(), 0.0);
-            for &(block, point) in active.points(index) {
+            for (block, point) in active.points(index) {
                 let block = &blocks[block as usize];
                 with_basis!(space, cell, |basis, D, N| {
                     add_point::<_, D, N>(&basis, block, point as usize, with_motion, buffer);
