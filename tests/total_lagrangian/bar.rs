@@ -2,6 +2,8 @@
 
 use super::common::{Record, run_project};
 use serde_json::{Value, json};
+use std::process::Command;
+use tempfile::TempDir;
 
 /// Functions of the grid, with points enough for them.
 #[derive(Clone, Copy, Debug)]
@@ -104,12 +106,44 @@ impl Bar {
         })
     }
 
+    fn write(&self) -> TempDir {
+        let folder = TempDir::new().unwrap();
+        std::fs::write(folder.path().join("ProjectParameters.json"), self.project().to_string()).unwrap();
+        folder
+    }
+
     /// Runs it; the record has so many states.
     pub fn run(&self, states: usize) -> Record {
-        let folder = tempfile::tempdir().unwrap();
-        std::fs::write(folder.path().join("ProjectParameters.json"), self.project().to_string()).unwrap();
-        run_project(folder.path(), &["--record-states", &states.to_string()])
+        run_project(self.write().path(), &["--record-states", &states.to_string()])
     }
+
+    /// The same; none if the run breaks down.
+    pub fn try_run(&self, states: usize) -> Option<Record> {
+        let folder = self.write();
+        let (status, message) = launch(&folder, &["--record", "record.json", "--record-states", &states.to_string()]);
+        assert!(matches!(status, Some(0 | 3)), "{message}");
+        (status == Some(0)).then(|| Record::read(&folder.path().join("record.json")))
+    }
+
+    /// Exit status of a run, and what it says of its failure.
+    pub fn failure(&self) -> (Option<i32>, String) {
+        launch(&self.write(), &[])
+    }
+}
+
+/// Settings of an explicit run: MUSL with these members on top.
+pub fn explicit(members: Value) -> Value {
+    let mut solver = json!({"time_integration_method": "explicit", "scheme_type": "forward_euler",
+                            "stress_update": "musl"});
+    solver.as_object_mut().unwrap().extend(members.as_object().unwrap().clone());
+    solver
+}
+
+fn launch(folder: &TempDir, arguments: &[&str]) -> (Option<i32>, String) {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_bia"));
+    command.current_dir(folder.path()).args(["run", "ProjectParameters.json", "--quiet", "--threads", "1"]);
+    let output = command.args(arguments).output().expect("the built program starts");
+    (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
 }
 
 /// First components of a vector field.

@@ -4,16 +4,18 @@
 //! u(L) = −0.05862504 m and F(L) = 0.413859 are found here by inversion and quadrature.
 
 use super::bar::{Bar, Functions, HATS, NEO_HOOKEAN, QUADRATIC, SPLINE, along};
+use super::common::Record;
 use serde_json::{Value, json};
 
-const LENGTH: f64 = 0.1;
-const DENSITY: f64 = 10.0;
+pub const LENGTH: f64 = 0.1;
+pub const DENSITY: f64 = 10.0;
 const GRAVITY: f64 = -9.81;
 const PRESSURE: f64 = 1e4;
-const YOUNG: f64 = 5e3;
+pub const YOUNG: f64 = 5e3;
 const POISSON: f64 = 0.3;
 
-fn column(functions: Functions, placement: &'static str, solver: Value) -> Bar {
+/// The column at rest, with its weight and the load that rises to its full size in 1 s.
+pub fn column(functions: Functions, placement: &'static str, solver: Value) -> Bar {
     let weight = json!({"python_module": "assign_gravity_to_material_point_process",
         "Parameters": {"model_part_name": "MPM_Material", "modulus": -GRAVITY, "direction": [-1, 0, 0]}});
     let area = 1e-4;
@@ -31,7 +33,7 @@ fn column(functions: Functions, placement: &'static str, solver: Value) -> Bar {
         processes: vec![weight],
         end_time: 1.0,
     }
-    .pulled(json!(format!("{}*t", -PRESSURE * area)))
+    .pulled(json!(format!("{}*min(t, 1)", -PRESSURE * area)))
 }
 
 fn nominal_stress(x: f64) -> f64 {
@@ -56,8 +58,12 @@ fn displacement(x: f64) -> f64 {
 }
 
 /// Largest errors of u relative to u(L), of F, and of P relative to the pressure.
-fn errors(bar: &Bar) -> [f64; 3] {
-    let record = bar.run(1);
+pub fn errors(bar: &Bar) -> [f64; 3] {
+    errors_of(&bar.run(1))
+}
+
+/// The same of a record.
+pub fn errors_of(record: &Record) -> [f64; 3] {
     let (first, last) = (record.first(), record.last());
     let places = along(&first.points("MP_COORD"));
     let stretches: Vec<f64> =

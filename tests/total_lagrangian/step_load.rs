@@ -3,10 +3,11 @@
 use super::bar::{Bar, CUBIC, Functions, HATS, LINEAR, QUADRATIC, SPLINE, along, energy_drift};
 use serde_json::{Value, json};
 
-const TRACTION: f64 = -1.27;
+/// Load per area at x = L, in MPa.
+pub const TRACTION: f64 = -1.27;
 
-/// Units of g, mm and ms, hence MPa.
-fn bar(cells: usize, functions: Functions, solver: Value) -> Bar {
+/// The bar at rest. Units of g, mm and ms, hence MPa.
+pub fn bar(cells: usize, functions: Functions, solver: Value) -> Bar {
     Bar {
         cells,
         length: 5.0,
@@ -23,16 +24,16 @@ fn bar(cells: usize, functions: Functions, solver: Value) -> Bar {
     }
 }
 
-/// d'Alembert's solution: u = (τ/E)(G(ct − (L − x)) − G(ct − (L + x))), where G rises with slope 1
+/// d'Alembert's displacement at x and t: u = (τ/E)(G(ct − (L − x)) − G(ct − (L + x))), where G rises with slope 1
 /// over 2L, rests over 2L, and so on.
-fn exact(bar: &Bar, x: f64, t: f64) -> f64 {
+pub fn exact(bar: &Bar, x: f64, t: f64) -> f64 {
     let (l, c) = (bar.length, bar.wave_speed());
     let g = |s: f64| if s <= 0.0 { 0.0 } else { 2.0 * l * (s / (4.0 * l)).floor() + (s % (4.0 * l)).min(2.0 * l) };
     TRACTION / bar.young * (g(c * t - (l - x)) - g(c * t - (l + x)))
 }
 
 /// Root mean square error of the last point's displacement over the run, relative to the peak 2τL/E.
-fn error(cells: usize, courant: f64, solver: Value) -> f64 {
+pub fn error(cells: usize, courant: f64, solver: Value) -> f64 {
     let bar = bar(cells, HATS, solver).pulled(json!(TRACTION * 19.635)).at_courant(courant);
     let record = bar.run(100_000);
     let x = *along(&record.first().points("MP_COORD")).last().unwrap();

@@ -59,6 +59,27 @@ impl CellLocator {
         self.search(x, hint)
     }
 
+    /// As [`CellLocator::locate`], but a point that lies outside the hinted element by less than the
+    /// tolerance changes to one that holds it without, if there is one. The functions of a cell are
+    /// not negative at its points then.
+    #[inline]
+    pub fn locate_inside(&self, x: [f64; 3], hint: Option<u32>) -> Option<(u32, [f64; 3])> {
+        let found = self.locate(x, hint)?;
+        if self.mesh.holds(found.0 as usize, found.1) { Some(found) } else { self.inside(x).or(Some(found)) }
+    }
+
+    /// The first element that holds a point without any tolerance.
+    fn inside(&self, x: [f64; 3]) -> Option<(u32, [f64; 3])> {
+        let first = |candidates: &[u32]| {
+            let of = |&cell: &u32| Some((cell, self.mesh.local_coordinates(cell as usize, x)?));
+            candidates.iter().filter_map(of).find(|found| self.mesh.holds(found.0 as usize, found.1))
+        };
+        match &self.search {
+            Search::Regular(regular) => first(regular.candidates(x).as_slice()),
+            Search::General { bins, .. } => first(bins.candidates(x)),
+        }
+    }
+
     /// True if the elements were recognised as a regular grid.
     pub fn is_regular(&self) -> bool {
         matches!(self.search, Search::Regular(_))

@@ -153,6 +153,19 @@ impl SearchMesh {
         }
     }
 
+    /// Whether local coordinates lie in the cell itself, without tolerance.
+    pub fn holds(&self, cell: usize, xi: [f64; 3]) -> bool {
+        let shape = match self.cells[cell].map {
+            Map::Box(_) | Map::Hexahedron => Shape::Hexahedron8,
+            Map::Rectangle(_) | Map::Quadrilateral => Shape::Quadrilateral4,
+            Map::Tetrahedron => Shape::Tetrahedron4,
+            Map::Triangle => Shape::Triangle3,
+            Map::Line => Shape::Line2,
+            Map::None => return false,
+        };
+        shape.contains(xi, 0.0)
+    }
+
     /// The closed form: node 0 and the node opposite to it carry all local axes with their signs.
     #[inline]
     fn aligned<const D: usize>(

@@ -16,7 +16,7 @@ use bia_kernel::lanes::{Lanes, Pack, Real, WIDTH, turns};
 use pulp::Simd;
 
 /// Share of the spread of a cell's nodes about a point that is added to it, so that it has an inverse.
-const TINY: f64 = 1e-14;
+const TINY: f64 = f64::EPSILON;
 
 /// An affine velocity field about points.
 struct AffineField<S: Simd, const D: usize, const N: usize> {

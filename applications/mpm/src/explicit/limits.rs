@@ -3,11 +3,10 @@
 use super::Explicit;
 use super::to_points::{Cause, Trouble};
 use crate::points::MaterialPoints;
-use crate::settings::{Basis, Scheme, Stepping};
+use crate::settings::Stepping;
 use bia_kernel::error::{Error, Failure};
 
 /// What bounds the time step.
-#[derive(Default)]
 pub struct Limits {
     /// Smallest height of each cell in metres.
     pub sizes: Vec<f64>,
@@ -15,47 +14,34 @@ pub struct Limits {
     pub smallest: f64,
     /// Fastest wave in m/s.
     pub wave: f64,
-    /// Fastest point in m/s.
+    /// Fastest point in m/s; none in the total frame, where points do not move through the grid.
     pub point: f64,
+    /// By how much compression speeds up waves across the cells of the total frame: max ‖F⁻¹‖, else 1.
+    pub shortening: f64,
     /// Courant number at which a wave becomes unstable.
     pub courant: f64,
 }
 
 impl Limits {
-    /// C h/(c + v); infinite while nothing moves and no wave runs, or before the run.
+    /// Nothing known but the Courant number.
+    pub fn of(courant: f64) -> Self {
+        Self { sizes: Vec::new(), smallest: 0.0, wave: 0.0, point: 0.0, shortening: 1.0, courant }
+    }
+
+    /// C h/(c ‖F⁻¹‖ + v); infinite while nothing moves and no wave runs, or before the run.
     pub fn stable_step(&self) -> f64 {
-        let speed = self.wave + self.point;
+        let speed = self.wave * self.shortening + self.point;
         if self.sizes.is_empty() || speed <= 0.0 { f64::INFINITY } else { self.courant * self.smallest / speed }
     }
 
     pub fn describe(&self) -> String {
-        let Self { smallest, wave, point, .. } = self;
-        format!("cells of {smallest:.4e} m, waves of {wave:.4e} m/s, points of {point:.4e} m/s")
-    }
-}
-
-/// Courant number c Δt/h that a wave bears in a scheme with these functions: the least that points at
-/// natural places in cells of a bar bear with two or three points a cell (measured, and equal to the
-/// spectral radii of the maps from step to step to the two digits given); at most 1.
-pub fn courant_limit(scheme: Scheme, basis: Basis, consistent_mass: bool) -> f64 {
-    let degree = match basis {
-        Basis::Mesh => 1,
-        Basis::Lagrange(degree) | Basis::BSpline(degree) => degree,
-    };
-    let spline = matches!(basis, Basis::BSpline(_));
-    let last = scheme == Scheme::UpdateStressLast;
-    match (consistent_mass, last, spline, degree) {
-        (true, _, _, 1) => 0.5,
-        (true, _, true, 2) => 0.38,
-        (true, _, true, _) | (true, _, false, 2) => 0.18,
-        (false, true, _, 1) => 0.7,
-        (false, true, true, 2) => 0.66,
-        (false, true, true, _) => 0.5,
-        (false, true, false, 2) => 0.3,
-        (false, false, true, _) | (false, false, _, 1) => 1.0,
-        (false, false, false, 2) => 0.5,
-        // The shortest wave of a cell shortens with the square of the degree.
-        (_, _, _, degree) => 0.18 * (3.0 / degree as f64).powi(2),
+        let Self { smallest, wave, point, shortening, courant, .. } = self;
+        let compressed =
+            if *shortening > 1.0 { format!(", {shortening:.3} times as fast where compressed") } else { String::new() };
+        format!(
+            "Courant number {courant:.3}, cells of {smallest:.4e} m, waves of {wave:.4e} m/s{compressed}, \
+             points of {point:.4e} m/s"
+        )
     }
 }
 

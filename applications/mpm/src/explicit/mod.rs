@@ -11,6 +11,7 @@
 mod affine;
 mod cells;
 mod chunk;
+mod courant;
 mod kinematics;
 mod kratos_faults;
 mod limits;
@@ -52,6 +53,8 @@ use search::Search;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+/// Steps between two looks at how far points are compressed.
+const SURVEY: usize = 8;
 const SEARCH: usize = 0;
 const TO_GRID: usize = 1;
 const TO_POINTS: usize = 2;
@@ -70,6 +73,8 @@ pub struct Explicit {
     /// The consistent mass, where it is wanted.
     system: Option<System>,
     limits: Limits,
+    /// Steps since the compression was last surveyed.
+    surveyed: usize,
     /// Nodal variables that someone reads.
     shown: Vec<&'static str>,
     stages: [(&'static str, Duration); 3],
@@ -83,7 +88,7 @@ impl Explicit {
         let Discretisation { frame, basis, .. } = settings.discretisation;
         // Kratos knows neither the total frame nor other functions.
         let faults = KratosFaults(options.kratos_exact && frame == Frame::Updated && basis == Basis::Mesh);
-        let courant = limits::courant_limit(explicit.scheme, basis, explicit.consistent_mass);
+        let courant = courant::limit(&explicit, settings.discretisation, settings.dimension);
         Self {
             scene: Scene::new(settings, options),
             settings: explicit,
@@ -95,7 +100,8 @@ impl Explicit {
             records: Records::default(),
             nodes: Nodes::default(),
             system: None,
-            limits: Limits { courant, ..Limits::default() },
+            limits: Limits::of(courant),
+            surveyed: 0,
             shown: Vec::new(),
             stages: ["search", "points to grid", "grid to points"].map(|name| (name, Duration::ZERO)),
             told_step: false,
@@ -106,7 +112,7 @@ impl Explicit {
     /// Finds the points' cells; numbers the nodes again if the cells have changed.
     fn update_active(&mut self, points: &mut MaterialPoints, grid: &ModelPart, time_step: f64) -> Result<(), Error> {
         let frame = self.frame();
-        let mut moved = self.search.find(&mut self.scene, points, frame)?;
+        let mut moved = self.search.find(&mut self.scene, points, frame, self.faults)?;
         if self.settings.leave_edges {
             self.leave_edges(points, grid, time_step);
             moved = true;
@@ -274,12 +280,20 @@ impl Solver for Explicit {
         let Some((grid, points)) = context.model.part(GRID).zip(points_of(context.model)) else { return Ok(()) };
         self.active.gather(&points.blocks, grid.elements.len());
         self.renumber(points);
-        self.limits.point = stability::point_speed(points);
+        if self.frame() == Frame::Updated {
+            self.limits.point = stability::point_speed(points);
+        }
         tracing::info!("stable time step {:.4e} s: {}", self.limits.stable_step(), self.limits.describe());
         Ok(())
     }
 
-    fn time_step(&mut self, _: &Model, clock: &Clock) -> Result<f64, Error> {
+    fn time_step(&mut self, model: &Model, clock: &Clock) -> Result<f64, Error> {
+        if let (Frame::Total, Some(points)) = (self.frame(), points_of(model)) {
+            if self.surveyed.is_multiple_of(SURVEY) {
+                self.limits.shortening = stability::shortening(points);
+            }
+            self.surveyed += 1;
+        }
         // Before the run nothing is known that bounds the step.
         let stable = if self.active.cells.is_empty() { f64::INFINITY } else { self.limits.stable_step() };
         let stepping = &self.scene.settings.stepping;
@@ -301,8 +315,7 @@ impl Solver for Explicit {
             let begin = Instant::now();
             self.update_active(points, grid, time_step)?;
             self.stages[SEARCH].1 += begin.elapsed();
-            self.start(points, grid, time_step);
-            Ok(())
+            self.start(points, grid, time_step)
         })
     }
 
@@ -352,7 +365,7 @@ impl Solver for Explicit {
     }
 
     fn snapshot(&self, model: &Model, out: &mut JsonObject) -> std::io::Result<()> {
-        crate::record::snapshot(model, out)
+        crate::record::snapshot(model, self.settings.transfer == Transfer::Apic, out)
     }
 
     fn stages(&self) -> Vec<(&'static str, Duration)> {

@@ -5,8 +5,12 @@ use super::to_grid::NodalSums;
 use crate::active::ActiveCells;
 use crate::space::Space;
 use crate::variables::DISPLACEMENT;
+use bia_kernel::error::Failure;
 use bia_kernel::model::ModelPart;
 use bia_kernel::solving::ActiveDofs;
+
+/// Share of the largest mass by which one may be negative: points may stand a little outside their cells.
+const NEGLIGIBLE: f64 = 1e-5;
 
 /// State of the active nodes; all vectors by active dof but `mass`, which `sums` holds by node.
 #[derive(Default)]
@@ -80,8 +84,19 @@ impl Nodes {
     }
 
     /// Fixes the mass below which nodes are left alone, once the masses are there.
-    pub fn weigh(&mut self, faults: KratosFaults) {
-        self.least_mass = faults.least_mass(self.sums.mass.iter().copied().fold(0.0, f64::max));
+    ///
+    /// # Errors
+    /// A function whose lumped mass is negative: with polynomials of degree 2 and more that change sign.
+    pub fn weigh(&mut self, faults: KratosFaults) -> Result<(), Failure> {
+        let largest = self.sums.mass.iter().copied().fold(0.0, f64::max);
+        self.least_mass = faults.least_mass(largest);
+        let least = self.sums.mass.iter().copied().fold(0.0, f64::min);
+        if least >= -NEGLIGIBLE * largest {
+            return Ok(());
+        }
+        let what = format!("a function of the grid has the negative lumped mass {least:e} kg");
+        let advice = "\"consistent_mass_matrix\": true, more points in each cell, a lower basis_order or b_spline";
+        Err(Failure::new(what, advice))
     }
 
     fn mass(&self, dof: usize) -> Option<f64> {

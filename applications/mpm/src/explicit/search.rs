@@ -2,6 +2,7 @@
 //! and points are put in the order of their cells when too many are out of it.
 
 use super::cells::{Mapping, is_affine};
+use super::kratos_faults::KratosFaults;
 use crate::active::ActiveCells;
 use crate::grid::with_shape;
 use crate::points::{MaterialPoints, Scratch};
@@ -26,11 +27,19 @@ pub struct Search {
 }
 
 impl Search {
-    /// Finds the cells of points that may have left theirs. Tells whether any has.
+    /// Finds the cells of points that may have left theirs. Tells whether any has. A point just outside
+    /// its cell must change it, unless a fault of Kratos is wanted: the negative functions that it would
+    /// have there can leave a node without mass, and the force on that node would be lost.
     ///
     /// # Errors
     /// All points, or a condition, have left the grid.
-    pub fn find(&mut self, scene: &mut Scene, points: &mut MaterialPoints, frame: Frame) -> Result<bool, Error> {
+    pub fn find(
+        &mut self,
+        scene: &mut Scene,
+        points: &mut MaterialPoints,
+        frame: Frame,
+        faults: KratosFaults,
+    ) -> Result<bool, Error> {
         if !std::mem::replace(&mut self.searched, true) {
             scene.search(points)?;
             return Ok(true);
@@ -44,7 +53,8 @@ impl Search {
         for &(block, point) in self.leavers.iter().filter(|_| !lost) {
             let block = &mut points.blocks[block as usize];
             let point = point as usize;
-            match locator.locate(block.coordinates(point), Some(block.cell[point])) {
+            let (x, hint) = (block.coordinates(point), Some(block.cell[point]));
+            match if faults.0 { locator.locate(x, hint) } else { locator.locate_inside(x, hint) } {
                 Some((cell, xi)) => {
                     moved |= block.cell[point] != cell;
                     block.cell[point] = cell;

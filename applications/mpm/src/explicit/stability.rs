@@ -1,8 +1,9 @@
 //! The stable step of explicit schemes: waves and points must not cross a cell in one step.
 
-use crate::points::MaterialPoints;
+use crate::points::{Block, MaterialPoints};
 use bia_kernel::geometry::Shape;
 use bia_kernel::model::ModelPart;
+use rayon::prelude::*;
 
 /// Faces of a solid cell as local nodes; edges in the plane.
 fn faces(shape: Shape) -> &'static [&'static [usize]] {
@@ -50,9 +51,29 @@ pub fn wave_speed(points: &MaterialPoints) -> f64 {
     points.blocks.iter().map(|block| block.law.wave_speed(block.density)).fold(0.0, f64::max)
 }
 
+/// Largest ‖F⁻¹‖ of all points, 1 at least: a wave that runs through compressed material crosses the
+/// undeformed cells so many times faster. That the material also stiffens or softens is left out: 7 % at
+/// F = 0.41 for the neo-Hookean law in uniaxial strain.
+///
+/// The largest eigenvalue of C⁻¹ is bounded by its trace and norm (Wolkowicz & Styan 1980, exact if the
+/// two others are equal).
+pub fn shortening(points: &MaterialPoints) -> f64 {
+    let of_block = |block: &Block| {
+        let of_point = |point: usize| {
+            let gradient = block.deformation_gradient(point);
+            let Some(inverse) = (gradient.transpose() * gradient).try_inverse() else { return 1.0 };
+            let mean = inverse.trace() / 3.0;
+            let spread = (inverse.norm_squared() / 3.0 - mean * mean).max(0.0).sqrt();
+            (mean + std::f64::consts::SQRT_2 * spread).sqrt()
+        };
+        (0..block.len()).into_par_iter().map(of_point).reduce(|| 1.0, f64::max)
+    };
+    points.blocks.iter().map(of_block).fold(1.0, f64::max)
+}
+
 /// Fastest point in m/s.
 pub fn point_speed(points: &MaterialPoints) -> f64 {
-    let squares = |block: &crate::points::Block| {
+    let squares = |block: &Block| {
         let width = block.velocity.width().max(1);
         let rows = block.velocity.values().chunks_exact(width);
         rows.map(|v| v.iter().map(|v| v * v).sum::<f64>()).fold(0.0, f64::max)

@@ -29,11 +29,14 @@ const YOSHIDA: [f64; 3] = [1.351_207_191_959_657_6, -1.702_414_383_919_315_3, 1.
 
 impl Explicit {
     /// Takes momentum, and forces unless stresses come first, to the grid.
-    pub(super) fn start(&mut self, points: &MaterialPoints, grid: &ModelPart, time_step: f64) {
+    ///
+    /// # Errors
+    /// A function of negative mass.
+    pub(super) fn start(&mut self, points: &MaterialPoints, grid: &ModelPart, time_step: f64) -> Result<(), Error> {
         self.nodes.start(grid, &self.scene.space, time_step, self.faults);
         let wanted = if self.updates_stress_first() { Wanted::Momentum } else { Wanted::Both };
         self.gather(points, wanted, time_step);
-        self.nodes.weigh(self.faults);
+        Ok(self.nodes.weigh(self.faults)?)
     }
 
     /// The acceleration of the grid, and its velocity after it.
@@ -53,6 +56,7 @@ impl Explicit {
             let strained = self.strokes(points, time_step, fields, Strokes { strain: true, ..Strokes::default() });
             self.nodes.velocity = velocity;
             strained?;
+            self.nodes.carrying.clone_from(&self.nodes.velocity);
             self.gather(points, Wanted::Force, time_step);
         }
         self.answer_forces(points, grid, self.gamma() * time_step)?;
@@ -91,7 +95,9 @@ impl Explicit {
         grid: &ModelPart,
         time_step: f64,
     ) -> Result<(), Error> {
-        self.nodes.carrying.clone_from(&self.nodes.velocity);
+        if !(self.updates_stress_first() && self.frame() == Frame::Total) {
+            self.nodes.carrying.clone_from(&self.nodes.velocity);
+        }
         if let Transfer::Xpic(projections) = self.settings.transfer {
             self.filter(points, time_step, projections)?;
         }
@@ -132,6 +138,7 @@ impl Explicit {
     /// Changes the velocity of the points, and what else is wanted, by the motion of the grid.
     fn kick(&mut self, points: &mut MaterialPoints, time_step: f64, strokes: Strokes) -> Result<(), Error> {
         let acceleration = std::mem::take(&mut self.nodes.acceleration);
+        let velocity = std::mem::take(&mut self.nodes.velocity);
         let carrying = std::mem::take(&mut self.nodes.carrying);
         let displacement = std::mem::take(&mut self.nodes.displacement);
         let fields = Fields {
@@ -141,14 +148,14 @@ impl Explicit {
             smooth: if matches!(self.settings.transfer, Transfer::Flip(1.0) | Transfer::Xpic(_)) {
                 &[]
             } else {
-                &carrying
+                &velocity
             },
             affine: self.affine(),
             displacement: &displacement,
         };
         let kicked = self.strokes(points, time_step, fields, strokes);
         self.nodes.acceleration = acceleration;
-        self.nodes.carrying = carrying;
+        (self.nodes.velocity, self.nodes.carrying) = (velocity, carrying);
         self.nodes.displacement = displacement;
         if strokes.drift {
             self.displace_nodes(time_step);
@@ -257,6 +264,7 @@ impl Explicit {
             faults: self.faults,
             arch: self.arch,
         };
+        let total = self.frame() == Frame::Total;
         let field = Field {
             grid,
             fields,
@@ -265,7 +273,8 @@ impl Explicit {
             time_step,
             gamma: self.gamma(),
             transfer: self.settings.transfer,
-            reach: self.faults.reach(self.limits.smallest),
+            // In the total frame a body may fly however far it likes.
+            reach: if total { f64::INFINITY } else { self.faults.reach(self.limits.smallest) },
             compressible: self.settings.compressible,
             moves_by_point: self.settings.moves_by_point,
         };

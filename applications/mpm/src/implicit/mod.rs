@@ -392,7 +392,7 @@ impl Solver for Implicit {
     }
 
     fn snapshot(&self, model: &Model, out: &mut JsonObject) -> std::io::Result<()> {
-        crate::record::snapshot(model, out)
+        crate::record::snapshot(model, false, out)
     }
 
     fn stages(&self) -> Vec<(&'static str, Duration)> {

@@ -58,6 +58,7 @@ fn points(blocks: Vec<Block>) -> MaterialPoints {
         name: "MPM_Material".into(),
         kinematics: Kinematics::ThreeDimensional,
         dynamic: true,
+        force_time: 1.0,
         bodies: vec!["A".into(), "B".into()],
         blocks,
         conditions: PointConditions::default(),
@@ -92,7 +93,7 @@ fn outputs(points: MaterialPoints) -> (Vec<u8>, Vec<u8>, [f64; 3], Vec<f64>) {
     model.extend(points);
     let mut record = Vec::new();
     let mut object = JsonObject::open(&mut record).unwrap();
-    crate::record::snapshot(&model, &mut object).unwrap();
+    crate::record::snapshot(&model, false, &mut object).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let files = crate::inventory::save_state(&model, folder.path()).unwrap();
     let state = std::fs::read(&files[0]).unwrap();

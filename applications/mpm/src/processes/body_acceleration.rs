@@ -22,7 +22,8 @@ const ACCELERATION: &[Key] = &[
         Kind::Functions3,
         "[0.0, 0.0, 0.0]",
         "body force per mass beside gravity [m/s²]; x, y, z are the position at the start of the step, X, Y, Z the \
-         initial one, t the time at the end of the step",
+         initial one, t the time at which the forces of the step act: its end if implicit or if the stress is updated \
+         first, its start if last, its middle in schemes that keep energy",
     ),
     Key::new("interval", Kind::Interval, "[0.0, \"End\"]", "when it acts [s]"),
 ];
@@ -122,13 +123,15 @@ struct BodyAcceleration {
 struct Cleared;
 
 impl BodyAcceleration {
-    fn apply(&self, context: &mut Context) -> Result<(), Error> {
-        let time = context.clock.time;
+    /// Evaluates the functions for a step of this length that ends now.
+    fn apply(&self, context: &mut Context, time_step: f64) -> Result<(), Error> {
+        let end = context.clock.time;
         let Some(points) = context.model.extension_mut::<MaterialPoints>() else { return Ok(()) };
+        let time = end - (1.0 - points.force_time) * time_step;
         if self.first {
             points.blocks.iter_mut().for_each(|block| block.body_acceleration.values_mut().fill(0.0));
         }
-        if Interval(self.values.settings.interval("interval")).contains(time) {
+        if Interval(self.values.settings.interval("interval")).contains(end) {
             self.values.add(points, time, |block| &mut block.body_acceleration)?;
         }
         Ok(())
@@ -155,7 +158,7 @@ impl Process for BodyAcceleration {
     }
 
     fn execute_before_solution_loop(&mut self, context: &mut Context) -> Result<(), Error> {
-        self.apply(context)?;
+        self.apply(context, 0.0)?;
         if let Some(points) = context.model.extension_mut::<MaterialPoints>().filter(|points| points.dynamic) {
             points.blocks.iter_mut().for_each(Block::start_with_body_acceleration);
         }
@@ -163,7 +166,7 @@ impl Process for BodyAcceleration {
     }
 
     fn execute_initialize_solution_step(&mut self, context: &mut Context) -> Result<(), Error> {
-        self.apply(context)
+        self.apply(context, context.clock.time_step)
     }
 }
 

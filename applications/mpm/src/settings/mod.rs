@@ -1,5 +1,6 @@
 //! `solver_settings` of all solvers, with Kratos's keys and defaults.
 
+mod checks;
 mod discretisation;
 mod keys;
 
@@ -13,6 +14,7 @@ use bia_kernel::linalg::Method;
 use bia_kernel::parameters::{Parameters, Settings};
 use bia_kernel::solving::linear::{self, Nature};
 use bia_kernel::solving::{Criterion, MeshSource, Newmark, Newton};
+use checks::{check_explicit, check_implicit, check_scheme};
 use std::path::Path;
 
 /// What kind of equilibrium is sought.
@@ -217,6 +219,20 @@ impl SolverSettings {
             .collect()
     }
 
+    /// When in a step the forces act that move the points, as a share of it: with the deformation at
+    /// its start, in its middle or at its end. Of kick, drift and kick, the mean of both kicks.
+    pub fn force_time(&self) -> f64 {
+        match &self.explicit {
+            Some(explicit) => match explicit.scheme {
+                Scheme::UpdateStressFirst | Scheme::CentralDifference => 1.0,
+                Scheme::UpdateStressLast | Scheme::ModifiedUpdateStressLast => 0.0,
+                Scheme::VelocityVerlet | Scheme::Yoshida => 0.5,
+            },
+            None if self.conserves_energy => 0.5,
+            None => 1.0,
+        }
+    }
+
     /// The linear solver for symmetric or unsymmetric tangents.
     ///
     /// # Errors
@@ -249,49 +265,6 @@ fn conserves_energy(s: &Settings) -> bool {
     scheme_name(s) == Some("energy_conserving")
 }
 
-/// What the energy-conserving scheme and implicit transfers cannot be combined with.
-fn check_implicit(s: &Settings, regime: Regime, errors: &mut InputErrors) {
-    if conserves_energy(s) {
-        if regime != Regime::Dynamic {
-            errors.push(s.error("scheme_type", "\"energy_conserving\" needs solver_type \"dynamic\""));
-        }
-        if Discretisation::of(s).frame != Frame::Total {
-            let help = "add \"frame\": \"total_lagrangian\"";
-            errors.push(s.error("scheme_type", "\"energy_conserving\" needs the total Lagrangian frame").help(help));
-        }
-        if s.text("analysis_type") == "linear" {
-            errors.push(s.error("analysis_type", "\"energy_conserving\" needs \"non_linear\""));
-        }
-        if Transfer::of(s) != Transfer::Flip(1.0) {
-            errors
-                .push(s.error("transfer", "\"energy_conserving\" needs \"flip\" with flip_fraction 1: PIC dissipates"));
-        }
-    } else if !matches!(Transfer::of(s), Transfer::Flip(_)) {
-        let message = format!("{:?} is for explicit runs", s.text("transfer"));
-        errors.push(s.error("transfer", message).help("implicit: \"flip\" with a flip_fraction, or \"pic\""));
-    }
-}
-
-/// Schemes of the other method, and what this build does not have.
-fn check_scheme(s: &Settings, is_explicit: bool, errors: &mut InputErrors) {
-    let explicit_schemes = ["forward_euler", "central_difference", "velocity_verlet", "yoshida"];
-    if let Some(name) = scheme_name(s)
-        && explicit_schemes.contains(&name) != is_explicit
-    {
-        let help = if is_explicit {
-            "explicit: forward_euler, central_difference, velocity_verlet or yoshida"
-        } else {
-            "for explicit schemes set solver_type \"dynamic\" and time_integration_method \"explicit\""
-        };
-        let method = if is_explicit { "explicit" } else { "implicit" };
-        errors.push(s.error("scheme_type", format!("{name:?} is no {method} scheme")).help(help));
-    }
-    if s.flag("is_pqmpm") {
-        let help = "set is_pqmpm to false: each point then belongs to one cell";
-        errors.push(s.error("is_pqmpm", "the partitioned quadrature is not part of this build").help(help));
-    }
-}
-
 fn explicit(s: &Settings) -> ExplicitSettings {
     let scheme = match (scheme_name(s), s.text("stress_update")) {
         (Some("forward_euler"), "usl") => Scheme::UpdateStressLast,
@@ -310,59 +283,6 @@ fn explicit(s: &Settings) -> ExplicitSettings {
         moves_by_point: s.text("position_update") == "point",
         consistent_mass: s.flag("consistent_mass_matrix"),
     }
-}
-
-/// Choices of explicit runs that do not go together.
-fn check_explicit(s: &Settings, errors: &mut InputErrors) {
-    let ExplicitSettings { scheme, transfer, compressible, moves_by_point, consistent_mass, .. } = explicit(s);
-    let Discretisation { frame, basis, .. } = Discretisation::of(s);
-    let mut refuse = |wrong: bool, key: &str, message: &str, help: &str| {
-        if wrong {
-            errors.push(s.error(key, message).help(help));
-        }
-    };
-    let (total, flip) = (frame == Frame::Total, transfer == Transfer::Flip(1.0));
-    let symplectic = scheme.is_symplectic();
-    let add_frame = "add \"frame\": \"total_lagrangian\"";
-    refuse(symplectic && !total, "scheme_type", "needs the total Lagrangian frame", add_frame);
-    refuse(
-        symplectic && !flip,
-        "transfer",
-        "must be \"flip\" with flip_fraction 1: PIC dissipates",
-        "or forward_euler",
-    );
-    refuse(total && !compressible, "compressible", "must be true in the total Lagrangian frame", "leave it out");
-    refuse(moves_by_point && !total, "position_update", "\"point\" is for the total Lagrangian frame", add_frame);
-    let musl = scheme == Scheme::ModifiedUpdateStressLast;
-    let help =
-        "forward_euler with stress_update \"musl\", velocity_verlet or yoshida, and \"flip\" with flip_fraction 1";
-    refuse(
-        consistent_mass && !((symplectic || musl) && flip),
-        "consistent_mass_matrix",
-        "does not go with this scheme or transfer",
-        help,
-    );
-    let affine = matches!(transfer, Transfer::Apic | Transfer::Tpic);
-    let axisymmetric = s.flag("axis_symmetric_flag");
-    refuse(affine && axisymmetric, "transfer", "an affine transfer is not for axisymmetric scenes", "use \"flip\"");
-    refuse(
-        transfer == Transfer::Apic && matches!(basis, Basis::Lagrange(degree) if degree > 1),
-        "transfer",
-        "\"apic\" does not exist for Lagrange polynomials of degree 2 and more: they reproduce quadratics",
-        "use \"flip\" or \"b_spline\"",
-    );
-    refuse(
-        affine && scheme == Scheme::CentralDifference,
-        "transfer",
-        "an affine transfer needs forward_euler",
-        "set scheme_type to \"forward_euler\"",
-    );
-    refuse(
-        !flip && scheme == Scheme::CentralDifference,
-        "transfer",
-        "central_difference has \"flip\" with flip_fraction 1",
-        "set scheme_type to \"forward_euler\"",
-    );
 }
 
 /// Newton's method; energy is kept as well as the equations are solved, so that a scheme that conserves

@@ -225,6 +225,26 @@ fn strange_points_and_empty_meshes_are_not_found() {
     }
 }
 
+/// A point just across a face stays where it was, unless it is asked for inside; beyond the mesh there is
+/// no other cell for it.
+#[test]
+fn a_point_just_outside_changes_its_cell_when_it_must_lie_inside() {
+    let across = 1.0 + 0.1 * TOLERANCE;
+    for shear in [0.0, 0.3] {
+        let (mut coordinates, cells) = tensor(&[vec![0.0, 1.0, 2.0], vec![0.0, 1.0]]);
+        coordinates.iter_mut().for_each(|x| x[1] += shear * x[0]);
+        let locator = CellLocator::new(&part(coordinates, &cells), TOLERANCE);
+        assert_eq!(locator.is_regular(), shear == 0.0);
+        let x = [across, 0.5 + shear * across, 0.0];
+        assert_eq!(locator.locate(x, Some(0)).map(|found| found.0), Some(0));
+        let (cell, xi) = locator.locate_inside(x, Some(0)).unwrap();
+        assert!(cell == 1 && xi[0] >= -1.0 && xi[0] < -0.99, "{cell} {xi:?}");
+        let edge = [-0.1 * TOLERANCE, 0.5, 0.0];
+        assert_eq!(locator.locate_inside(edge, Some(0)).map(|found| found.0), Some(0));
+        assert_eq!(locator.locate_inside([-0.1, 0.5, 0.0], Some(0)), None);
+    }
+}
+
 #[test]
 fn cells_of_fewer_dimensions_hold_no_points() {
     let (coordinates, mut cells) = tensor(&[vec![0.0, 1.0], vec![0.0, 1.0]]);
