@@ -213,7 +213,7 @@ impl<const D: usize, const N: usize, const P1: usize> TensorCell<'_, D, N, P1> {
 
     /// Values and slopes by ξ_d of the polynomials of one axis.
     #[inline(always)]
-    fn along<R: Real>(&self, d: usize, xi: R) -> ([R; P1], [R; P1]) {
+    pub fn along<R: Real>(&self, d: usize, xi: R) -> ([R; P1], [R; P1]) {
         let (mut values, mut slopes) = ([xi; P1], [xi.constant(0.0); P1]);
         for a in 0..P1 {
             values[a] = xi.constant(self.tables[d][P1 - 1][a]);

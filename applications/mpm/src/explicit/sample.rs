@@ -210,9 +210,10 @@ impl<'a, B: CellOf<'a, D, N>, const D: usize, const N: usize> pulp::WithSimd for
             first = end;
             let Some(cell) = Cell::<B, D, N>::of(grid.space, id as usize, grid.mapping, placed) else { continue };
             let numbers = grid.patches.numbers(grid.space, id as usize);
+            let (mut moving, mut resting): (Room<N>, Room<N>) = (None, None);
             let nodal = Nodal::<N> {
-                moving: coefficients::<S, B, D, N>(simd, &records.moving, numbers),
-                resting: coefficients::<S, B, D, N>(simd, &records.resting, numbers),
+                moving: coefficients::<S, B, D, N>(simd, &records.moving, numbers, &mut moving),
+                resting: coefficients::<S, B, D, N>(simd, &records.resting, numbers, &mut resting),
             };
             for rows in groups(simd, points) {
                 // Most cells have one group: what is spread over the lanes ahead of this loop is spilled.
@@ -239,22 +240,26 @@ impl<'a, B: CellOf<'a, D, N>, const D: usize, const N: usize> pulp::WithSimd for
 }
 
 /// Coefficients of the modes of a cell.
-struct Nodal<const N: usize> {
-    moving: [Pack; N],
-    resting: [Pack; N],
+struct Nodal<'a, const N: usize> {
+    moving: &'a [Pack; N],
+    resting: &'a [Pack; N],
 }
 
-/// Records of nodes as coefficients of the modes; without records nothing that means anything.
+/// Room that is not filled before it is needed.
+type Room<const N: usize> = Option<[Pack; N]>;
+
+/// Records of nodes as coefficients of the modes; without records zeros.
 #[inline(always)]
-fn coefficients<S: Simd, B: Modes<D, N>, const D: usize, const N: usize>(
+fn coefficients<'r, S: Simd, B: Modes<D, N>, const D: usize, const N: usize>(
     simd: S,
     records: &[Pack],
     numbers: &[u32],
-) -> [Pack; N] {
-    let mut out = [Pack([0.0; WIDTH]); N];
+    room: &'r mut Room<N>,
+) -> &'r [Pack; N] {
     if records.is_empty() {
-        return out;
+        return const { &[Pack([0.0; WIDTH]); N] };
     }
+    let out = room.insert([Pack([0.0; WIDTH]); N]);
     let numbers = &numbers[..N];
     for part in (0..WIDTH).step_by(Lanes::<S>::COUNT) {
         let mut lanes = [Lanes::splat(simd, 0.0); N];
@@ -283,20 +288,20 @@ fn aligned<'a, S: Simd, B: CellOf<'a, D, N>, const D: usize, const N: usize>(
     sample: &mut Sample,
 ) {
     let affine = fields.affine == Affine::Gradient && !fields.smooth.is_empty();
-    let at = cell.basis.at(xi, affine || !fields.deforming.is_empty());
+    let at = cell.basis.at(xi);
     if !fields.deforming.is_empty() {
-        gradient::<S, B, D, N>(grid, cell, xi, &at, &nodal.moving, 0, &mut sample.gradient);
+        gradient::<S, B, D, N>(grid, cell, xi, &at, nodal.moving, 0, &mut sample.gradient);
     }
     if !fields.carrying.is_empty() {
         let same = is_same(fields.carrying, fields.deforming);
-        vector::<S, B, D, N>(&at, if same { &nodal.moving } else { &nodal.resting }, 0, &mut sample.carrying);
+        vector::<S, B, D, N>(&at, if same { nodal.moving } else { nodal.resting }, 0, &mut sample.carrying);
     }
     if !fields.acceleration.is_empty() {
-        vector::<S, B, D, N>(&at, &nodal.moving, SECOND, &mut sample.acceleration);
+        vector::<S, B, D, N>(&at, nodal.moving, SECOND, &mut sample.acceleration);
     }
     if !fields.smooth.is_empty() {
         let same = is_same(fields.smooth, fields.deforming);
-        let (from, first) = if same { (&nodal.moving, 0) } else { (&nodal.resting, SECOND) };
+        let (from, first) = if same { (nodal.moving, 0) } else { (nodal.resting, SECOND) };
         vector::<S, B, D, N>(&at, from, first, &mut sample.smooth);
         if affine {
             gradient::<S, B, D, N>(grid, cell, xi, &at, from, first, &mut sample.affine);
@@ -312,8 +317,9 @@ fn vector<S: Simd, B: Modes<D, N>, const D: usize, const N: usize>(
     first: usize,
     out: &mut [Pack; 3],
 ) {
+    let vector = B::vector(at, coefficients, first);
     for a in 0..D {
-        B::value(at, coefficients, first + a).store(&mut out[a]);
+        vector[a].store(&mut out[a]);
     }
 }
 
@@ -328,18 +334,14 @@ fn gradient<'a, S: Simd, B: CellOf<'a, D, N>, const D: usize, const N: usize>(
     first: usize,
     out: &mut Tensor<Pack>,
 ) {
-    let mut local = [[xi[0]; D]; D];
-    for a in 0..D {
-        local[a] = B::gradient(at, coefficients, first + a);
-    }
-    let gradient = cell.times_inverse(&local, xi, false);
+    let gradient = cell.times_inverse(&B::gradient(at, coefficients, first), xi, false);
     for a in 0..D {
         for b in 0..D {
             gradient[a][b].store(&mut out[a][b]);
         }
     }
     if D == 2 && grid.kinematics == Kinematics::Axisymmetric {
-        (B::value(at, coefficients, first) / cell.radius(xi)).store(&mut out[2][2]);
+        (B::vector(at, coefficients, first)[0] / cell.radius(xi)).store(&mut out[2][2]);
     }
 }
 

@@ -12,7 +12,7 @@ use crate::points::Block;
 use crate::settings::Frame;
 use crate::space::{Space, with_basis};
 use bia_constitutive::Kinematics;
-use bia_kernel::lanes::{Lanes, Pack, Real, WIDTH, dispatch, turns};
+use bia_kernel::lanes::{Lanes, Pack, WIDTH, dispatch, turns};
 use bia_kernel::solving::ActiveDofs;
 use bia_kernel::solving::ordered::in_order;
 use pulp::Simd;
@@ -171,9 +171,6 @@ pub(super) struct Load<T, const D: usize> {
     pub(super) hoop: T,
 }
 
-/// Chunks of eight modes that a cell may have.
-const CHUNKS: usize = 8;
-
 impl<'a, B: CellOf<'a, D, N>, const D: usize, const N: usize> pulp::WithSimd for Cells<'a, '_, B, D, N> {
     type Output = ();
 
@@ -220,34 +217,13 @@ impl<'a, B: CellOf<'a, D, N>, const D: usize, const N: usize> Cells<'a, '_, B, D
     fn add_points<S: Simd>(&mut self, simd: S, cell: &Cell<B, D, N>, block: &Block, rows: Rows, places: &[u32]) {
         let position = rows.load::<S, D>(simd, block.position.values());
         let xi = if cell.is_stored() { rows.load(simd, block.local.values()) } else { cell.local(&position) };
-        let load = self.load(simd, cell, &xi, block, rows);
+        let mut load = self.load(simd, cell, &xi, block, rows);
         if B::OF_MESH && self.gather.faults.misaligns(&cell.basis.functions(&xi)) {
             return self.add_misaligned(cell, &packs(&xi), &load.packs(), rows.count, places);
         }
-        let at = cell.basis.at(&xi, self.wanted.force());
-        // Sums over the points, by eight modes and quantity.
-        let mut sums = [[Pack([0.0; WIDTH]); WIDTH]; CHUNKS];
-        if self.wanted.momentum() {
-            if self.wanted != Wanted::MovedMomentum {
-                add_up(&mut sums, 0, &B::weigh(&at, load.mass));
-            }
-            for a in 0..D {
-                add_up(&mut sums, 1 + a, &B::weigh(&at, load.momentum[a]));
-            }
-        }
-        if self.wanted.force() {
-            for a in 0..D {
-                let weight = if a == 0 { load.weight[0] - load.hoop } else { load.weight[a] };
-                add_up(&mut sums, 1 + D + a, &B::pull(&at, weight, &load.pull[a]));
-            }
-        }
-        let mut records = [Pack([0.0; WIDTH]); N];
-        for chunk in 0..turns::<N>().div_ceil(WIDTH) {
-            let of_modes = Lanes::transposed(simd, &sums[chunk]);
-            for (record, sums) in records[chunk * WIDTH..].iter_mut().zip(of_modes) {
-                *record = sums;
-            }
-        }
+        load.weight[0] -= load.hoop;
+        let at = cell.basis.at(&xi);
+        let records = B::sums(simd, &at, &load, self.wanted);
         for part in (0..WIDTH).step_by(Lanes::<S>::COUNT) {
             let mut of_nodes = [Lanes::splat(simd, 0.0); N];
             for i in 0..turns::<N>() {
@@ -358,21 +334,6 @@ impl<'a, B: CellOf<'a, D, N>, const D: usize, const N: usize> Cells<'a, '_, B, D
             body[a] = body[a] + block.gravity[a];
         }
         body
-    }
-}
-
-/// Sums a quantity over the lanes, eight modes at a time.
-#[inline(always)]
-fn add_up<S: Simd, const N: usize>(sums: &mut [[Pack; WIDTH]; CHUNKS], quantity: usize, values: &[Lanes<S>; N]) {
-    const { assert!(N <= CHUNKS * WIDTH, "too many functions in a cell") };
-    for chunk in 0..turns::<N>().div_ceil(WIDTH) {
-        let mut eight = [values[0].constant(0.0); WIDTH];
-        for k in 0..WIDTH {
-            if chunk * WIDTH + k < N {
-                eight[k] = values[chunk * WIDTH + k];
-            }
-        }
-        sums[chunk][quantity] = Lanes::sums(&eight);
     }
 }
 
