@@ -107,7 +107,8 @@ fn the_automatic_step_is_stable_and_not_wasteful() {
     }
 }
 
-/// In the plane and in space waves of shear and pressure add up: the limits are lower.
+/// In the plane and in space waves of shear and pressure add up: the limits are lower. In space without
+/// the consistent mass, whose systems would take most of the time.
 #[test]
 fn the_automatic_step_is_stable_in_the_plane_and_in_space() {
     let bases = [("mesh", 1, 2), ("lagrange", 2, 3), ("b_spline", 2, 3), ("b_spline", 3, 3)];
@@ -116,13 +117,14 @@ fn the_automatic_step_is_stable_in_the_plane_and_in_space() {
         json!({}),
         json!({"flip_fraction": 0.0}),
         json!({"stress_update": "usl"}),
-        consistent,
+        consistent.clone(),
         json!({"transfer": "apic"}),
     ];
     for cell in [Cell::Quadrilateral, Cell::Hexahedron] {
         for (basis, order, points) in bases {
             for members in &choices {
-                if (basis, &members["transfer"]) == ("lagrange", &json!("apic")) {
+                let solves = *members == consistent && cell == Cell::Hexahedron;
+                if solves || (basis, &members["transfer"]) == ("lagrange", &json!("apic")) {
                     continue;
                 }
                 let cells = if cell == Cell::Quadrilateral { 5 } else { 3 };
@@ -139,7 +141,7 @@ fn the_automatic_step_is_stable_in_the_plane_and_in_space() {
                 let count = points_of(cell, points);
                 let wave = "1e-4*sin(37*x*x + 29*y + 11*z)";
                 let velocity = json!({"model_part_name": "MPM_Material", "value": [wave, wave, wave]});
-                let record = Scene::new(block.clone(), block, material(law, count, 1.0, 0.5, 0.4), solver, 150.0)
+                let record = Scene::new(block.clone(), block, material(law, count, 1.0, 0.5, 0.4), solver, 50.0)
                     .with(process("assign_initial_velocity_field_to_material_point_process", velocity))
                     .run(&["--record-states", "3"]);
                 let energies: Vec<f64> =

@@ -7,11 +7,16 @@ use crate::points::Block;
 use crate::space::{Space, with_basis};
 use bia_kernel::error::{Error, Failure};
 use bia_kernel::geometry::CellBasis;
-use bia_kernel::linalg::{IterativeSettings, Method, solver};
+use bia_kernel::linalg::{IterativeSettings, LinearError, Method, solver};
 use bia_kernel::solving::{ActiveDofs, CellBuffer, System};
 
 /// Residual, relative to the right-hand side, to which the projection is solved.
 const PRECISION: f64 = 1e-14;
+/// What is taken where round-off leaves no more: masses of functions of high degree in space are badly
+/// conditioned.
+const ENOUGH: f64 = 1e-12;
+/// Iterations after which round-off is at work.
+const ITERATIONS: usize = 500;
 
 /// What the consistent mass is integrated over.
 pub struct ConsistentMass<'a> {
@@ -77,14 +82,17 @@ impl ConsistentMass<'_> {
     /// that part stays zero.
     fn solve(&self, system: &mut System) -> Result<Vec<f64>, Error> {
         system.matrix.constrain(self.dofs.fixed(), &mut system.rhs);
-        let settings = IterativeSettings { maximum_iterations: 10_000, ..IterativeSettings::new(PRECISION) };
+        let settings = IterativeSettings { maximum_iterations: ITERATIONS, ..IterativeSettings::new(PRECISION) };
         let mut solution = vec![0.0; system.rhs.len()];
         let solved = solver(Method::ConjugateGradient(settings)).solve(&system.matrix, &system.rhs, &mut solution);
-        solved.map_err(|error| {
-            let what = format!("the motion of the points cannot be projected to the grid: {error}");
-            Failure::new(what, "more material points in each cell, or functions of a lower order")
-        })?;
-        Ok(solution)
+        match solved {
+            Ok(_) => Ok(solution),
+            Err(LinearError::NotConverged { residual, .. }) if residual <= ENOUGH => Ok(solution),
+            Err(error) => {
+                let what = format!("the motion of the points cannot be projected to the grid: {error}");
+                Err(Failure::new(what, "more material points in each cell, or functions of a lower order").into())
+            }
+        }
     }
 }
 
