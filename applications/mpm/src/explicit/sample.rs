@@ -15,6 +15,7 @@ use bia_constitutive::Kinematics;
 use bia_constitutive::tensor::Tensor;
 use bia_kernel::lanes::{Lanes, Pack, WIDTH, dispatch, turns};
 use pulp::Simd;
+use rayon::prelude::*;
 use std::marker::PhantomData;
 
 /// Samples taken before something is done with them: so few that all streams of the points' numbers
@@ -67,18 +68,28 @@ impl Records {
     pub fn fill(&mut self, fields: &Fields, dimension: usize) {
         let other = |field: &'_ [f64]| if is_same(field, fields.deforming) { 0 } else { field.len() };
         let (carrying, smooth) = (&fields.carrying[..other(fields.carrying)], &fields.smooth[..other(fields.smooth)]);
-        for (records, pair) in
-            [(&mut self.moving, [fields.deforming, fields.acceleration]), (&mut self.resting, [carrying, smooth])]
-        {
-            records.clear();
-            records.resize(pair[0].len().max(pair[1].len()) / dimension, Pack([0.0; WIDTH]));
-            for (field, first) in pair.into_iter().zip([0, SECOND]) {
-                for (record, vector) in records.iter_mut().zip(field.chunks_exact(dimension)) {
-                    record.0[first..first + dimension].copy_from_slice(vector);
-                }
+        let fill = match dimension {
+            1 => fill_pair::<1>,
+            2 => fill_pair::<2>,
+            _ => fill_pair::<3>,
+        };
+        fill(&mut self.moving, fields.deforming, fields.acceleration);
+        fill(&mut self.resting, carrying, smooth);
+    }
+}
+
+/// Records of two fields, either of which may be empty.
+fn fill_pair<const D: usize>(records: &mut Vec<Pack>, first: &[f64], second: &[f64]) {
+    let ((first, _), (second, _)) = (first.as_chunks::<D>(), second.as_chunks::<D>());
+    records.resize(first.len().max(second.len()), Pack([0.0; WIDTH]));
+    records.par_iter_mut().with_min_len(4096).enumerate().for_each(|(node, record)| {
+        *record = Pack([0.0; WIDTH]);
+        for (field, place) in [(first, 0), (second, SECOND)] {
+            if let Some(vector) = field.get(node) {
+                record.0[place..place + D].copy_from_slice(vector);
             }
         }
-    }
+    });
 }
 
 fn is_same(a: &[f64], b: &[f64]) -> bool {

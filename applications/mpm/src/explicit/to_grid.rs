@@ -96,28 +96,31 @@ impl NodalSums {
 
     /// Adds all points, patch by patch and cell by cell in a fixed order.
     pub fn add(&mut self, gather: &Gather, wanted: Wanted) {
-        let dimension = gather.kinematics.dimension();
+        match gather.kinematics.dimension() {
+            1 => self.add_in::<1>(gather, wanted),
+            2 => self.add_in::<2>(gather, wanted),
+            _ => self.add_in::<3>(gather, wanted),
+        }
+    }
+
+    fn add_in<const D: usize>(&mut self, gather: &Gather, wanted: Wanted) {
         let compute = |patch: usize, buffer: &mut Vec<Pack>| {
             buffer.clear();
             buffer.resize(gather.patches.nodes(patch).len(), Pack([0.0; WIDTH]));
             gather.add_patch(patch, wanted, buffer);
             Ok::<(), ()>(())
         };
-        let (mass, momentum, force) = (&mut self.mass, &mut self.momentum, &mut self.force);
+        let mass = &mut self.mass;
+        let ((momentum, _), (force, _)) = (self.momentum.as_chunks_mut::<D>(), self.force.as_chunks_mut::<D>());
         let add = |patch: usize, buffer: &Vec<Pack>| {
             for (Pack(sums), &number) in buffer.iter().zip(gather.patches.nodes(patch)) {
                 let number = number as usize;
-                let (with_momentum, with_force) = sums[1..1 + 2 * dimension].split_at(dimension);
-                let add = |to: &mut [f64], from: &[f64]| {
-                    let to = &mut to[number * dimension..(number + 1) * dimension];
-                    to.iter_mut().zip(from).for_each(|(sum, value)| *sum += value);
-                };
                 if wanted.momentum() {
                     mass[number] += sums[0];
-                    add(momentum, with_momentum);
+                    (0..D).for_each(|a| momentum[number][a] += sums[1 + a]);
                 }
                 if wanted.force() {
-                    add(force, with_force);
+                    (0..D).for_each(|a| force[number][a] += sums[1 + D + a]);
                 }
             }
         };

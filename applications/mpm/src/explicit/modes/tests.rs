@@ -1,7 +1,10 @@
 //! Modes against the functions that they stand for.
 
 use super::*;
-use bia_kernel::geometry::{CellBasis, Hexahedron8, Line2, Quadrilateral4, Tetrahedron4, Triangle3};
+use bia_kernel::geometry::{
+    CellBasis, Family, Hexahedron8, Line2, Quadrilateral4, RegularGrid, Shape, TensorBasis, Tetrahedron4, Triangle3,
+};
+use bia_kernel::model::ModelPart;
 
 /// Modes at points of a cell against its functions and gradients.
 fn modes_are_functions<B: CellBasis<D, N> + Modes<D, N>, const D: usize, const N: usize>(basis: &B) {
@@ -71,4 +74,43 @@ fn modes_of_mesh_cells_are_their_functions() {
     modes_are_functions(&MeshCell::<Quadrilateral4, 2, 4>::new([[0.0; 2]; 4]));
     modes_are_functions(&MeshCell::<Tetrahedron4, 3, 4>::new([[0.0; 3]; 4]));
     modes_are_functions(&MeshCell::<Hexahedron8, 3, 8>::new([[0.0; 3]; 8]));
+}
+
+/// A grid of two cells along each axis, of uneven size.
+fn grid<const D: usize>() -> ModelPart {
+    let lines = [0.0, 1.0, 2.5];
+    let mut part = ModelPart::new("Background_Grid");
+    for place in 0..3usize.pow(D as u32) {
+        part.nodes.ids.push(place as u32 + 1);
+        part.nodes
+            .coordinates
+            .push(std::array::from_fn(|d| if d < D { lines[place / 3usize.pow(d as u32) % 3] } else { 0.0 }));
+    }
+    let shape = [Shape::Line2, Shape::Quadrilateral4, Shape::Hexahedron8][D - 1];
+    for cell in 0..2u32.pow(D as u32) {
+        let node = |corner: &[f64]| {
+            let index =
+                |(d, x): (usize, &f64)| (cell / 2u32.pow(d as u32) % 2 + u32::from(*x > 0.0)) * 3u32.pow(d as u32);
+            corner.iter().enumerate().map(index).sum()
+        };
+        let nodes: Vec<u32> = shape.reference_corners().iter().map(|corner| node(&corner[..D])).collect();
+        part.elements.push(cell + 1, "Element", shape, 0, &nodes);
+    }
+    part
+}
+
+#[test]
+fn modes_of_regular_grids_are_their_functions() {
+    fn check<const D: usize, const N: usize, const P1: usize>() {
+        for family in [Family::BSpline, Family::Lagrange] {
+            let basis = TensorBasis::new(RegularGrid::new(&grid::<D>()).unwrap(), family, P1 - 1);
+            for cell in 0..2 {
+                modes_are_functions(&basis.cell::<D, N, P1>(cell).unwrap());
+            }
+        }
+    }
+    check::<1, 4, 4>();
+    check::<2, 9, 3>();
+    check::<3, 27, 3>();
+    check::<3, 64, 4>();
 }
