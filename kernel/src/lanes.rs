@@ -3,7 +3,9 @@
 //!
 //! Formulas over lanes are written with loops and `#[inline(always)]`: what is not inlined, closures
 //! in `array::map` among them, is compiled for the baseline machine. Products and sums are rounded
-//! one by one (no fused multiply-add), so that all machines and all widths give the same bits.
+//! one by one (no fused multiply-add): each lane holds the same bits on all machines. Sums over the
+//! lanes are taken in the order of their number, so that machines with vectors of other widths differ
+//! by round-off.
 
 #[cfg(target_arch = "x86_64")]
 mod avx512;
