@@ -8,47 +8,6 @@ use bia_kernel::variables::Variable;
 /// Name of the root part of the grid.
 pub const GRID: &str = "Background_Grid";
 
-/// Calls a function with the type of a cell's shape: `with_shape!(shape, S, D, N => expression)`.
-/// Shapes that are no solid cells yield the last expression.
-macro_rules! with_shape {
-    ($shape:expr, |$S:ident, $D:ident, $N:ident| $body:expr, else $other:expr) => {
-        match $shape {
-            Shape::Line2 => {
-                type $S = Line2;
-                const $D: usize = 1;
-                const $N: usize = 2;
-                $body
-            }
-            Shape::Triangle3 => {
-                type $S = Triangle3;
-                const $D: usize = 2;
-                const $N: usize = 3;
-                $body
-            }
-            Shape::Quadrilateral4 => {
-                type $S = Quadrilateral4;
-                const $D: usize = 2;
-                const $N: usize = 4;
-                $body
-            }
-            Shape::Tetrahedron4 => {
-                type $S = Tetrahedron4;
-                const $D: usize = 3;
-                const $N: usize = 4;
-                $body
-            }
-            Shape::Hexahedron8 => {
-                type $S = Hexahedron8;
-                const $D: usize = 3;
-                const $N: usize = 8;
-                $body
-            }
-            _ => $other,
-        }
-    };
-}
-pub(crate) use with_shape;
-
 /// Numbers of a cell's functions among the active ones; all functions of an active cell have one.
 #[inline(always)]
 pub fn numbers<const N: usize>(dofs: &ActiveDofs, nodes: &[u32]) -> [usize; N] {

@@ -22,10 +22,8 @@ macro_rules! with_basis {
     ($space:expr, $cell:expr, |$basis:ident, $D:ident, $N:ident| $body:expr, else $other:expr) => {
         match $space.functions() {
             $crate::space::Functions::Mesh(shapes) => {
-                use bia_kernel::geometry::{
-                    Hexahedron8, Line2, MeshCell, Quadrilateral4, Shape, Tetrahedron4, Triangle3,
-                };
-                $crate::grid::with_shape!(shapes[$cell], |S, $D, $N| {
+                use bia_kernel::geometry::MeshCell;
+                bia_kernel::with_shape!(shapes[$cell], |S, $D, $N| {
                     let $basis = MeshCell::<S, $D, $N>::new($space.corners($cell));
                     $body
                 }, else $other)

@@ -4,13 +4,12 @@
 use super::cells::{Mapping, is_affine};
 use super::kratos_faults::KratosFaults;
 use crate::active::ActiveCells;
-use crate::grid::with_shape;
 use crate::points::{MaterialPoints, Scratch};
 use crate::scene::Scene;
 use crate::settings::{Basis, Discretisation, Frame};
 use bia_kernel::error::Error;
-use bia_kernel::geometry::{Hexahedron8, Line2, Quadrilateral4, Shape, Tetrahedron4, Triangle3};
 use bia_kernel::model::ModelPart;
+use bia_kernel::with_shape;
 
 /// Order is restored when points of one cell lie, on average, in more runs than this.
 const RUNS_PER_CELL: f64 = 1.25;
@@ -109,7 +108,10 @@ impl Search {
 
 /// How local coordinates are had on a grid.
 pub fn mapping(grid: &ModelPart, choice: &Discretisation) -> Mapping {
-    let is_parallel = |cell: usize| with_shape!(grid.elements.shapes[cell], |S, D, N| is_affine::<S, D, N>(&corners(grid, cell)), else true);
+    let is_parallel = |cell: usize| {
+        let shape = grid.elements.shapes[cell];
+        with_shape!(shape, |S, D, N| is_affine::<S, D, N>(&corners(grid, cell)), else true)
+    };
     let affine = choice.basis != Basis::Mesh || (0..grid.elements.len()).all(is_parallel);
     Mapping { affine, stored: choice.frame == Frame::Total || !affine }
 }

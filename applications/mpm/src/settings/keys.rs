@@ -12,6 +12,7 @@ const SEARCH: &[Key] = &[
     Key::new("searching_tolerance", Kind::Number(Range::NOT_NEGATIVE), "1e-5", "tolerance in local coordinates"),
     Key::new("remove_entities_not_found", Kind::Bool, "true", "erase points that leave the grid"),
 ];
+
 /// Keys of `solver_settings`.
 pub const KEYS: &[Key] = &Key::join::<7, 41, 48>(
     CONVERGENCE,
