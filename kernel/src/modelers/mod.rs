@@ -3,6 +3,7 @@
 mod body;
 mod fitted;
 mod kratos;
+mod mapping;
 mod mesh;
 mod parts;
 mod placement;
