@@ -2,6 +2,7 @@
 
 mod body;
 mod fitted;
+mod gmsh;
 mod kratos;
 mod mapping;
 mod mesh;
@@ -21,4 +22,5 @@ pub fn register(registry: &mut Registry) {
     kratos::register(registry);
     regular_grid::register(registry);
     body::register(registry);
+    gmsh::register(registry);
 }
