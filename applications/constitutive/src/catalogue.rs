@@ -5,7 +5,7 @@
 
 use bia_kernel::diagnostic::{Diagnostic, InputErrors, Place};
 use bia_kernel::model::Properties;
-use bia_kernel::registry::Registry;
+use bia_kernel::registry::{Description, Kinds, Registry};
 use thiserror::Error;
 
 use crate::{
@@ -136,6 +136,23 @@ pub fn register(registry: &mut Registry) {
     let new = catalogue().entries.into_iter().filter(|entry| known.find(entry.name).is_none());
     let new: Vec<LawEntry> = new.collect();
     known.entries.extend(new);
+    registry.kind(Kinds { title: "laws", describe });
+}
+
+/// The laws of the registry's catalogue as a user asks for them.
+fn describe(registry: &Registry) -> Vec<Description> {
+    let entries = registry.catalogue::<Catalogue>().map_or(&[][..], |catalogue| &catalogue.entries);
+    let value = |v: &MaterialVariable| [v.name.into(), v.unit.into(), v.range.to_string(), v.help.into()];
+    let of_entry = |entry: &LawEntry| {
+        let kinematics: Vec<&str> = entry.kinematics.iter().map(|kind| kind.name()).collect();
+        Description {
+            name: entry.name.into(),
+            aliases: entry.aliases.iter().map(|alias| (*alias).to_string()).collect(),
+            help: format!("{} ({})", entry.help, kinematics.join(", ")),
+            values: entry.variables.iter().map(value).collect(),
+        }
+    };
+    entries.iter().map(of_entry).collect()
 }
 
 impl Catalogue {

@@ -11,7 +11,8 @@ use bia_kernel::solving::stepping::TIME_STEPPING;
 use bia_kernel::solving::{MeshSource, Newmark, Newton, Stepping};
 use std::path::Path;
 
-const KEYS: &[Key] = &Key::join::<7, 18, 25>(
+/// Keys of `solver_settings`.
+pub const KEYS: &[Key] = &Key::join::<7, 18, 25>(
     CONVERGENCE,
     [
         Key::required("solver_type", Kind::Text, "structural_static or structural_dynamic"),

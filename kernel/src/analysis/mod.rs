@@ -2,9 +2,11 @@
 
 mod account;
 mod project;
+mod schema;
 
 pub use account::{Account, RecordPlan, number, peak_memory_mb};
 pub use project::Project;
+pub use schema::project_schema;
 
 use crate::diagnostic::{Diagnostic, InputErrors, Place};
 use crate::error::Error;
