@@ -16,8 +16,11 @@ mod kinematics;
 mod law;
 mod linear_elastic;
 mod material;
+mod mixed;
 mod neo_hookean;
+mod neo_hookean_mixed;
 mod newtonian;
+mod newtonian_mixed;
 mod nominal_elastic;
 mod plane_stress;
 pub mod tensor;
@@ -28,13 +31,17 @@ pub use catalogue::{Build, Catalogue, DuplicateLaw, LawEntry, MaterialPlaces, ca
 pub use error::LawError;
 pub use hypoelastic::Hypoelastic;
 pub use kinematics::Kinematics;
+use law::mixed_pressure;
 pub use law::{ConstitutiveLaw, Deformation, Group, Law, Response, Want};
 pub use linear_elastic::{LinearElastic, LinearElasticPlaneStress};
 pub use material::{
     DENSITY, Fault, LameParameters, Material, MaterialVariable, Options, POISSON_RATIO, Range, YOUNG_MODULUS, check,
 };
+pub use mixed::{MixedModuli, Shear, VolumetricLaw};
 pub use neo_hookean::NeoHookean;
+pub use neo_hookean_mixed::NeoHookeanMixed;
 pub use newtonian::{BULK_MODULUS, DYNAMIC_VISCOSITY, NewtonianFluid};
+pub use newtonian_mixed::NewtonianFluidMixed;
 pub use nominal_elastic::NominalElastic;
 pub use plane_stress::PlaneStress;
 pub use tensor::{Tangent, Voigt};

@@ -44,7 +44,8 @@ impl Scene {
         }
         let mut active = ActiveCells::default();
         active.gather(&points.blocks, grid.elements.len());
-        let dofs = self.space.active_dofs(&active.cells, points.dimension());
+        let unknowns = points.dimension() + usize::from(self.settings.mixed.is_some());
+        let dofs = self.space.active_dofs(&active.cells, unknowns);
         line("dofs at the start", format!("{} on {} active cells", dofs.order(), active.len()));
         let bytes: usize = points.blocks.iter().map(Block::bytes).sum();
         let each = bytes as f64 / points.len().max(1) as f64;
@@ -57,14 +58,16 @@ impl Scene {
 
     /// Legal but suspicious facts.
     fn warnings(&self, points: &MaterialPoints, model: &Model) -> Vec<String> {
-        let mut warnings = body_warnings(model, points);
+        let is_mixed = self.settings.mixed.is_some();
+        let mut warnings = body_warnings(model, points, is_mixed);
         warnings.extend(self.settings.unread());
         for material in &self.materials {
             if !material.properties.tables.is_empty() {
                 let id = material.properties.id;
                 warnings.push(format!("properties {id}: tables have no effect, no law of this build reads one"));
             }
-            if let Some(ratio) = material.properties.number("POISSON_RATIO").filter(|ratio| *ratio > 0.45) {
+            if let Some(ratio) = material.properties.number("POISSON_RATIO").filter(|ratio| *ratio > 0.45 && !is_mixed)
+            {
                 let id = material.properties.id;
                 warnings.push(format!(
                     "properties {id}: Poisson's ratio {ratio} with a displacement formulation locks: bodies look too stiff"
@@ -84,7 +87,7 @@ impl Scene {
 
 /// Elements of the bodies that make no points, or make them twice; names that promise another
 /// formulation than the scene's.
-fn body_warnings(model: &Model, points: &MaterialPoints) -> Vec<String> {
+fn body_warnings(model: &Model, points: &MaterialPoints, is_mixed: bool) -> Vec<String> {
     let Some(bodies) = model.part(&format!("Initial_{}", points.name)) else { return Vec::new() };
     let mut owners = vec![0u32; bodies.elements.len()];
     for &element in bodies.children.iter().flat_map(|child| &child.elements) {
@@ -103,7 +106,7 @@ fn body_warnings(model: &Model, points: &MaterialPoints) -> Vec<String> {
     for name in bodies.elements.names.iter().filter(|name| name.starts_with("MPM")) {
         if name.contains("Axisymmetry") && !axisymmetric {
             warnings.push(format!("{name} is computed as {}: set axis_symmetric_flag to true", points.kinematics));
-        } else if name.contains("UP") {
+        } else if name.contains("UP") && !is_mixed {
             warnings.push(format!("{name} is computed without pressure dofs, as pressure_dofs is false"));
         }
     }

@@ -9,6 +9,9 @@ use bia_linalg::{IterativeSettings, Method};
 pub struct Nature {
     /// The matrix is symmetric.
     pub symmetric: bool,
+    /// The matrix is positive definite at stable states; not that of a saddle point, such as
+    /// displacements with the pressures that constrain them.
+    pub definite: bool,
     /// Dimension of space.
     pub dimension: usize,
 }
@@ -77,9 +80,15 @@ const ITERATIVE: &[&str] = &[
 /// # Errors
 /// Unknown names and keys.
 pub fn method(parameters: Option<&Parameters>, nature: Nature) -> Result<Method, InputErrors> {
-    let exact = if nature.symmetric { Method::Symmetric } else { Method::Lu };
-    let automatic =
-        |tolerance: f64| Method::Automatic { symmetric: nature.symmetric, dimension: nature.dimension, tolerance };
+    let exact = match (nature.symmetric, nature.definite) {
+        (true, true) => Method::Symmetric,
+        (true, false) => Method::Ldlt,
+        (false, _) => Method::Lu,
+    };
+    let automatic = |tolerance: f64| match nature.definite {
+        true => Method::Automatic { symmetric: nature.symmetric, dimension: nature.dimension, tolerance },
+        false => exact.clone(),
+    };
     let Some(parameters) = parameters.filter(|p| p.value().as_object().is_none_or(|o| !o.is_empty())) else {
         return Ok(automatic(1e-9));
     };
@@ -91,12 +100,14 @@ pub fn method(parameters: Option<&Parameters>, nature: Nature) -> Result<Method,
     let iterative = IterativeSettings { maximum_iterations: max_iterations, ..IterativeSettings::new(tolerance) };
     match name.as_str() {
         "automatic" | "amgcl" | "amgcl_raw" | "amgcl_ns_solver" => Ok(automatic(tolerance)),
-        "cg" | "sparse_cg" | "deflated_cg" if nature.symmetric => Ok(Method::ConjugateGradient(iterative)),
+        "cg" | "sparse_cg" | "deflated_cg" if nature.symmetric && nature.definite => {
+            Ok(Method::ConjugateGradient(iterative))
+        }
         "cg" | "sparse_cg" | "deflated_cg" | "bicgstab" | "gmres" | "fgmres" | "tfqmr" => {
             Ok(Method::BiCgStab(iterative))
         }
         "lu" => Ok(Method::Lu),
-        direct if DIRECT.contains(&direct) || SYMMETRIC_DIRECT.contains(&direct) => Ok(exact),
+        direct if DIRECT.contains(&direct) || SYMMETRIC_DIRECT.contains(&direct) => Ok(exact.clone()),
         _ => {
             let names = ["automatic", "lu"].iter().chain(DIRECT).chain(SYMMETRIC_DIRECT).chain(ITERATIVE).copied();
             Err(settings
@@ -115,7 +126,7 @@ mod tests {
 
     fn chosen(text: &str, symmetric: bool) -> Result<String, InputErrors> {
         let parameters = Parameters::root(Document::parse(Path::new("p"), text.into())?);
-        let nature = Nature { symmetric, dimension: 2 };
+        let nature = Nature { symmetric, definite: true, dimension: 2 };
         method(Some(&parameters), nature).map(|m| format!("{m:?}"))
     }
 

@@ -16,7 +16,7 @@ pub mod solver;
 pub mod stepping;
 
 pub use assembly::{CellBuffer, System};
-pub use criteria::{Criterion, Tolerances};
+pub use criteria::{Criterion, Field, Reference, References, Tolerances};
 pub use dofs::ActiveDofs;
 pub use mesh::MeshSource;
 pub use newton::{Newton, NonlinearSystem, StepReport};

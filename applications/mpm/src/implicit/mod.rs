@@ -4,6 +4,7 @@ mod element;
 mod forgiving;
 mod kratos_faults;
 mod midpoint;
+mod mixed;
 mod motion;
 mod problem;
 mod transfer;
@@ -15,7 +16,7 @@ use crate::points::{Columns, MaterialPoints};
 use crate::scene::{Scene, move_conditions, points_of, with_points};
 use crate::settings::{Frame, Regime, SolverSettings};
 use crate::space::Space;
-use crate::variables::{ACCELERATION, DISPLACEMENT, NODAL_MASS, REACTION, VELOCITY};
+use crate::variables::{ACCELERATION, DISPLACEMENT, NODAL_MASS, PRESSURE, REACTION, VELOCITY};
 use bia_constitutive::Deformation;
 use bia_kernel::diagnostic::InputErrors;
 use bia_kernel::error::Error;
@@ -28,6 +29,7 @@ use bia_kernel::solving::solver::{Inventory, Solver};
 use bia_kernel::solving::{ActiveDofs, Criterion, NonlinearSystem, StepReport, System};
 use element::Rule;
 use kratos_faults::KratosFaults;
+use mixed::{Mixed, relax_fluids};
 use motion::Motion;
 use nalgebra::Matrix3;
 use problem::{Inertia, Problem};
@@ -63,6 +65,7 @@ pub struct Implicit {
     sums: NodalSums,
     inertia: Option<Inertia>,
     motion: Motion,
+    mixed: Option<Mixed>,
     increments: Vec<f64>,
     assembled: Vec<f64>,
     /// DISPLACEMENT at the end of the last step, which is what Kratos's prediction reads.
@@ -83,8 +86,10 @@ impl Implicit {
     /// The solver of these settings.
     pub fn new(settings: SolverSettings, options: RunOptions) -> Self {
         let stages = ["search", "points to grid", "assembly", "linear solver", "grid to points"];
+        let mixed = settings.mixed.map(|mixed| Mixed::new(mixed, options.kratos_exact));
         Self {
             scene: Scene::new(settings, options),
+            mixed,
             linear: None,
             active: ActiveCells::default(),
             dofs: ActiveDofs::default(),
@@ -113,7 +118,10 @@ impl Implicit {
         self.active.gather(&points.blocks, grid.elements.len());
         if before != self.active.cells || self.system.is_none() {
             self.dofs = self.scene.space.active_dofs(&self.active.cells, points.dimension());
-            self.system = Some(system(&self.scene.space, &self.active.cells, &self.dofs));
+            self.system = Some(match &mut self.mixed {
+                Some(mixed) => mixed.number(&self.scene.space, &self.active.cells, points.dimension()),
+                None => system(&self.scene.space, &self.active.cells, &self.dofs),
+            });
         }
         Ok(())
     }
@@ -201,11 +209,16 @@ impl Implicit {
     /// Forces that hold the fixed dofs: minus the residual at the solution.
     fn write_reactions(&mut self, points: &MaterialPoints, grid: &mut ModelPart, time_step: f64) -> Result<(), Error> {
         let Some(mut system) = self.system.take() else { return Ok(()) };
-        let result = self.problem(points, grid, time_step).assemble(&mut system, false);
-        let held = system.rhs.iter().zip(self.dofs.fixed()).map(|(r, fixed)| if *fixed { -r } else { 0.0 });
-        let reactions: Vec<f64> = held.collect();
-        self.system = Some(system);
-        result?;
+        let mut mixed = self.mixed.take();
+        let result = match &mut mixed {
+            Some(mixed) => self.mixed_reactions(mixed, points, grid, time_step, &mut system),
+            None => self.problem(points, grid, time_step).assemble(&mut system, false).map(|()| {
+                let residual = system.rhs.iter().zip(self.dofs.fixed());
+                residual.map(|(r, fixed)| if *fixed { -r } else { 0.0 }).collect()
+            }),
+        };
+        (self.system, self.mixed) = (Some(system), mixed);
+        let reactions = result?;
         let (count, block) = (grid.nodes.len(), self.dofs.block());
         let column = grid.node_fields.vector_mut(&REACTION, count);
         column.fill([0.0; 3]);
@@ -244,10 +257,22 @@ impl Solver for Implicit {
             acceleration: wants("ACCELERATION"),
             reaction: self.scene.settings.reactions || (wants("REACTION") && !self.faults().hides_reactions()),
         };
+        if let Some(mixed) = &mut self.mixed {
+            let wanted = self.output.reaction || wants("PRESSURE_REACTION");
+            mixed.show_reaction(wanted);
+            self.output.reaction = wanted;
+            if let Some(grid) = model.part_mut(GRID) {
+                let count = grid.nodes.len();
+                grid.node_fields.scalar_mut(&PRESSURE, count);
+            }
+        }
         let moves = self.dynamic();
-        let needed = Columns { velocity: moves, acceleration: moves, local: true, ..Columns::default() };
+        let pressure = self.mixed.is_some();
+        let needed = Columns { velocity: moves, acceleration: moves, local: true, pressure, ..Columns::default() };
         let conserves_energy = self.scene.settings.conserves_energy;
-        let symmetric = self.scene.make_points(model, requirements, needed)? && !conserves_energy;
+        let symmetric = self.scene.make_points(model, requirements, needed)?
+            && !conserves_energy
+            && self.mixed.as_ref().is_none_or(Mixed::is_symmetric);
         if let Some(points) = points_of(model).filter(|_| conserves_energy) {
             check_energies(points, &self.scene.settings)?;
         }
@@ -277,6 +302,7 @@ impl Solver for Implicit {
                 this.gather(points);
                 this.write_nodal_mass(grid);
                 this.predict_increments(grid);
+                this.predict_pressures(points, grid);
                 this.prepare_inertia(points, grid, time_step)
             })
         })
@@ -300,11 +326,17 @@ impl Solver for Implicit {
                     );
                 }
             }
-            let mut problem = this.problem(points, grid, time_step);
-            let result = this.scene.settings.newton.solve(&mut problem, &mut system, linear.as_mut());
-            let (increments, assembled) = (problem.increments, problem.assembled);
-            (this.increments, this.assembled) = (increments, assembled);
-            (this.system, this.linear) = (Some(system), Some(linear));
+            let mut mixed = this.mixed.take();
+            let result = match &mut mixed {
+                Some(mixed) => this.solve_mixed(mixed, (points, grid), time_step, &mut system, linear.as_mut()),
+                None => {
+                    let mut problem = this.problem(points, grid, time_step);
+                    let result = this.scene.settings.newton.solve(&mut problem, &mut system, linear.as_mut());
+                    (this.increments, this.assembled) = (problem.increments, problem.assembled);
+                    result
+                }
+            };
+            (this.system, this.linear, this.mixed) = (Some(system), Some(linear), mixed);
             let report = result?;
             this.stages[ASSEMBLY].1 += report.assembly;
             this.stages[LINEAR].1 += report.linear;
@@ -344,6 +376,8 @@ impl Solver for Implicit {
                 dofs: &this.dofs,
                 increments: &increments,
                 increments_of_volume: of_volume,
+                pressures: this.mixed.as_ref().map_or(&[], Mixed::pressures),
+                shifts_stress: this.faults().shifts_stress(),
                 accelerations: &accelerations,
                 velocities: &velocities,
                 velocity_changes: &velocity_changes,
@@ -353,6 +387,10 @@ impl Solver for Implicit {
                 least_function: this.faults().least_function(),
             };
             update_points(points, &nodal)?;
+            if this.mixed.is_some() && !is_total {
+                relax_fluids(points);
+            }
+            this.write_pressures(grid);
             let least = nodal.least_function;
             move_conditions(&mut points.conditions, space, &this.dofs, [&increments, &velocities], least);
             space.write_field(grid, &this.dofs, &DISPLACEMENT, &increments);

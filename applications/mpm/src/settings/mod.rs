@@ -3,10 +3,12 @@
 mod checks;
 mod discretisation;
 mod keys;
+mod mixed;
 
 pub use bia_kernel::solving::Stepping;
 pub use discretisation::{Basis, Discretisation, Frame, Placement, Transfer};
 pub use keys::KEYS;
+pub use mixed::{ElementSize, MixedSettings, Stabilization, Variant};
 
 use bia_constitutive::{Kinematics, MaterialSource};
 use bia_kernel::diagnostic::InputErrors;
@@ -15,6 +17,7 @@ use bia_kernel::parameters::{Parameters, Settings};
 use bia_kernel::solving::linear::{self, Nature};
 use bia_kernel::solving::{Criterion, MeshSource, Newmark, Newton};
 use checks::{check_explicit, check_implicit, check_scheme};
+use mixed::check_mixed;
 use std::path::Path;
 
 /// What kind of equilibrium is sought.
@@ -92,6 +95,8 @@ pub struct SolverSettings {
     pub conserves_energy: bool,
     /// Share of FLIP in the velocity of the points of implicit dynamics; the rest is PIC.
     pub flip_fraction: f64,
+    /// Nodal pressures, if the formulation has them.
+    pub mixed: Option<MixedSettings>,
     /// Newton's method.
     pub newton: Newton,
     /// The user's linear solver settings.
@@ -134,12 +139,6 @@ impl SolverSettings {
         if axisymmetric && dimension != 2 {
             errors.push(s.error("axis_symmetric_flag", "needs domain_size 2"));
         }
-        if s.flag("pressure_dofs") {
-            errors.push(
-                s.error("pressure_dofs", "the mixed displacement-pressure formulation is not part of this build")
-                    .help("set pressure_dofs to false and use a compressible law"),
-            );
-        }
         let regime = match s.text("solver_type").to_lowercase().replace('-', "_").as_str() {
             "static" => Regime::Static,
             "quasi_static" => Regime::QuasiStatic,
@@ -147,6 +146,7 @@ impl SolverSettings {
         };
         let is_explicit = regime == Regime::Dynamic && s.text("time_integration_method") == "explicit";
         check_scheme(&s, is_explicit, &mut errors);
+        check_mixed(&s, is_explicit, &mut errors);
         if is_explicit {
             check_explicit(&s, &mut errors);
         } else {
@@ -170,6 +170,7 @@ impl SolverSettings {
             point_gamma: if s.text("point_velocity_rule") == "scheme" { newmark(&s).gamma() } else { 0.5 },
             conserves_energy: conserves_energy(&s),
             flip_fraction: if let Transfer::Flip(fraction) = Transfer::of(&s) { fraction } else { 1.0 },
+            mixed: MixedSettings::of(&s),
             newton: newton(&s),
             linear: s.get("linear_solver_settings").cloned(),
             stepping,
@@ -238,7 +239,8 @@ impl SolverSettings {
     /// # Errors
     /// Unknown solver names and keys.
     pub fn linear_method(&self, symmetric: bool) -> Result<Method, InputErrors> {
-        linear::method(self.linear.as_ref(), Nature { symmetric, dimension: self.dimension })
+        let definite = self.mixed.is_none();
+        linear::method(self.linear.as_ref(), Nature { symmetric, definite, dimension: self.dimension })
     }
 
     /// Kinematics of the scene; plane stress is a matter of each law.
