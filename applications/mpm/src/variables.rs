@@ -19,6 +19,7 @@ variables! {
     vector VELOCITY, "m/s", "velocity of a grid node";
     vector ACCELERATION, "m/s²", "acceleration of a grid node";
     vector REACTION, "N", "force that holds a fixed grid node";
+    vector NORMAL, "m or m²", "normal of the walls at a grid node, as long as its share of them";
     scalar NODAL_MASS, "kg", "mass gathered on a grid node";
     scalar PRESSURE, "Pa", "pressure of a grid node";
     vector MP_COORD, "m", "position of a material point";

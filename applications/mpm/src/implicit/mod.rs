@@ -25,7 +25,7 @@ use bia_kernel::model::{Model, ModelPart};
 use bia_kernel::processes::{Clock, Context, Location, Process, Requirements, ResetNodes, RunOptions};
 use bia_kernel::registry::Registry;
 use bia_kernel::solving::solver::{Inventory, Solver};
-use bia_kernel::solving::{ActiveDofs, Criterion, NonlinearSystem, StepReport, System};
+use bia_kernel::solving::{ActiveDofs, Criterion, NodalFrames, NonlinearSystem, StepReport, System};
 use element::Rule;
 use kratos_faults::KratosFaults;
 use motion::Motion;
@@ -59,6 +59,8 @@ pub struct Implicit {
     linear: Option<Box<dyn LinearSolver>>,
     active: ActiveCells,
     dofs: ActiveDofs,
+    /// Frames of nodes that slide along walls.
+    frames: NodalFrames,
     system: Option<System>,
     sums: NodalSums,
     inertia: Option<Inertia>,
@@ -88,6 +90,7 @@ impl Implicit {
             linear: None,
             active: ActiveCells::default(),
             dofs: ActiveDofs::default(),
+            frames: NodalFrames::default(),
             system: None,
             sums: NodalSums::default(),
             inertia: None,
@@ -164,6 +167,8 @@ impl Implicit {
                 }
             }
         }
+        self.frames = NodalFrames::new(block, &self.dofs, grid.node_fields.slides(&DISPLACEMENT));
+        self.frames.slide(&mut self.increments);
     }
 
     fn write_nodal_mass(&self, grid: &mut ModelPart) {
@@ -202,8 +207,8 @@ impl Implicit {
     fn write_reactions(&mut self, points: &MaterialPoints, grid: &mut ModelPart, time_step: f64) -> Result<(), Error> {
         let Some(mut system) = self.system.take() else { return Ok(()) };
         let result = self.problem(points, grid, time_step).assemble(&mut system, false);
-        let held = system.rhs.iter().zip(self.dofs.fixed()).map(|(r, fixed)| if *fixed { -r } else { 0.0 });
-        let reactions: Vec<f64> = held.collect();
+        let mut reactions: Vec<f64> = system.rhs.iter().map(|r| -r).collect();
+        self.frames.keep_held(&self.dofs, &mut reactions);
         self.system = Some(system);
         result?;
         let (count, block) = (grid.nodes.len(), self.dofs.block());
@@ -301,7 +306,8 @@ impl Solver for Implicit {
                 }
             }
             let mut problem = this.problem(points, grid, time_step);
-            let result = this.scene.settings.newton.solve(&mut problem, &mut system, linear.as_mut());
+            let newton = &this.scene.settings.newton;
+            let result = this.frames.solve(newton, &mut problem, &mut system, linear.as_mut());
             let (increments, assembled) = (problem.increments, problem.assembled);
             (this.increments, this.assembled) = (increments, assembled);
             (this.system, this.linear) = (Some(system), Some(linear));

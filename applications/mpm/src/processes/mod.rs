@@ -6,6 +6,7 @@ mod energy;
 mod extrapolate;
 mod json;
 mod neumann;
+mod slip;
 mod vtk;
 
 use bia_kernel::registry::Registry;
@@ -15,6 +16,7 @@ pub fn register(registry: &mut Registry) {
     acceleration::register(registry);
     body_acceleration::register(registry);
     neumann::register(registry);
+    slip::register(registry);
     energy::register(registry);
     extrapolate::register(registry);
     json::register(registry);
