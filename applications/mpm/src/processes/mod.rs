@@ -5,6 +5,7 @@ mod body_acceleration;
 mod energy;
 mod extrapolate;
 mod json;
+mod measure;
 mod neumann;
 mod slip;
 mod vtk;
@@ -20,5 +21,6 @@ pub fn register(registry: &mut Registry) {
     energy::register(registry);
     extrapolate::register(registry);
     json::register(registry);
+    measure::register(registry);
     vtk::register(registry);
 }
