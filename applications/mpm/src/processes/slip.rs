@@ -27,9 +27,9 @@ const KEYS: &[Key] = &[
     Key::new("avoid_recomputing_normals", Kind::Bool, "true", "accepted: the grid does not move, nor do its normals"),
 ];
 
-/// Cosine of the angle between the normals of neighbouring faces below which a mean normal makes no
-/// sense: 60 degrees.
-const SHARPEST: f64 = 0.5;
+/// Cosine of the largest angle between the normal of a face and the mean one at its nodes: 30 degrees, an
+/// edge of 60 degrees.
+const SHARPEST: f64 = 0.866;
 
 /// Registers the process of this file.
 pub fn register(registry: &mut Registry) {
@@ -46,13 +46,16 @@ pub fn register(registry: &mut Registry) {
                     return Err(building.settings.error(key, message).help("0 lets bodies slide freely").into());
                 }
             }
-            Ok(Box::new(Slip { settings: building.settings }))
+            // Kratos takes the mean of whatever normals there are.
+            let any_edge = building.options.kratos_exact;
+            Ok(Box::new(Slip { settings: building.settings, any_edge }))
         },
     });
 }
 
 struct Slip {
     settings: Settings,
+    any_edge: bool,
 }
 
 impl Slip {
@@ -104,7 +107,9 @@ impl Process for Slip {
                 .help("use lines or faces as conditions")
                 .into());
         }
-        self.check_edges(grid, &conditions, &normals)?;
+        if !self.any_edge {
+            self.check_edges(grid, &conditions, &normals)?;
+        }
         let sign = if self.settings.text("option") == "flip_normal" { -1.0 } else { 1.0 };
         let count = grid.nodes.len();
         let shown = grid.node_fields.vector_mut(&NORMAL, count);
