@@ -146,6 +146,7 @@ impl Registry {
         let mut registry = Self::default();
         crate::processes::assign::register(&mut registry);
         crate::processes::json::register(&mut registry);
+        crate::processes::measure::register(&mut registry);
         crate::processes::vtk::register(&mut registry);
         crate::modelers::register(&mut registry);
         registry

@@ -51,6 +51,15 @@ impl Variable {
     }
 }
 
+/// A node whose value of a vector variable has no component along the normal of a wall.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Slide {
+    /// Index of the node.
+    pub node: u32,
+    /// Unit normal of the wall, of either sign.
+    pub normal: [f64; 3],
+}
+
 /// Values of variables on the nodes, elements or conditions of a model part. A variable that no component
 /// of the scene asks for has no column.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -59,6 +68,7 @@ pub struct Fields {
     vectors: BTreeMap<&'static str, Vec<[f64; 3]>>,
     rows: BTreeMap<&'static str, Column>,
     fixed: BTreeMap<&'static str, Vec<[bool; 3]>>,
+    slides: BTreeMap<&'static str, Vec<Slide>>,
 }
 
 impl Fields {
@@ -106,6 +116,16 @@ impl Fields {
     /// Which components are fixed, to be changed.
     pub fn fixed_mut(&mut self, variable: &Variable, count: usize) -> &mut [[bool; 3]] {
         self.fixed.entry(variable.name).or_insert_with(|| vec![[false; 3]; count])
+    }
+
+    /// Walls along which the values of a vector slide; a node has one entry for each of its walls.
+    pub fn slides(&self, variable: &Variable) -> &[Slide] {
+        self.slides.get(variable.name).map_or(&[], Vec::as_slice)
+    }
+
+    /// Adds walls along which the values of a vector slide.
+    pub fn add_slides(&mut self, variable: &Variable, slides: impl IntoIterator<Item = Slide>) {
+        self.slides.entry(variable.name).or_default().extend(slides);
     }
 
     /// Writes every column to the account of a run.

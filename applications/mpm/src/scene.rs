@@ -8,6 +8,7 @@ use crate::points::conditions::{self, PointConditions, Requests};
 use crate::points::{Columns, Plan, fields, generate};
 use crate::settings::{Frame, Regime, SolverSettings};
 use crate::space::Space;
+use crate::variables::DISPLACEMENT;
 use bia_constitutive::{BodyMaterial, Catalogue};
 use bia_kernel::diagnostic::{Diagnostic, InputErrors, Place};
 use bia_kernel::error::{Error, Failure};
@@ -114,6 +115,11 @@ impl Scene {
             return Err(self.settings.settings.error("domain_size", message).into());
         }
         let space = Space::new(grid, &self.settings.discretisation, &self.settings.settings)?;
+        if !space.is_mesh() && !grid.node_fields.slides(&DISPLACEMENT).is_empty() {
+            let message = "walls to slide along need the functions of the mesh";
+            let help = "fix the normal component of walls that stand along the axes, or leave \"basis\" out";
+            return Err(self.settings.settings.parameters().error(message).help(help).into());
+        }
         let locator = CellLocator::new(grid, self.settings.search_tolerance);
         let kinematics = self.settings.kinematics();
         let plan = Plan {

@@ -19,6 +19,7 @@ variables! {
     vector VELOCITY, "m/s", "velocity of a grid node";
     vector ACCELERATION, "m/s²", "acceleration of a grid node";
     vector REACTION, "N", "force that holds a fixed grid node";
+    vector NORMAL, "m or m²", "normal of the walls at a grid node, as long as its share of them";
     scalar NODAL_MASS, "kg", "mass gathered on a grid node";
     scalar PRESSURE, "Pa", "mean stress of a grid node, tension positive";
     scalar PRESSURE_REACTION, "m³", "change of volume that holds a fixed pressure of a grid node";

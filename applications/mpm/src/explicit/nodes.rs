@@ -7,7 +7,7 @@ use crate::space::Space;
 use crate::variables::DISPLACEMENT;
 use bia_kernel::error::Failure;
 use bia_kernel::model::ModelPart;
-use bia_kernel::solving::ActiveDofs;
+use bia_kernel::solving::{ActiveDofs, NodalFrames};
 
 /// Share of the largest mass by which one may be negative: points may stand a little outside their cells.
 const NEGLIGIBLE: f64 = 1e-5;
@@ -17,6 +17,8 @@ const NEGLIGIBLE: f64 = 1e-5;
 pub struct Nodes {
     /// Numbers of the active nodes; fixed components.
     pub dofs: ActiveDofs,
+    /// Frames of nodes that slide along walls.
+    pub frames: NodalFrames,
     /// Mass, momentum, force.
     pub sums: NodalSums,
     /// Velocity; after the step, the one that deformed the points last.
@@ -54,6 +56,13 @@ impl Nodes {
             values.resize(order, 0.0);
         }
         self.dofs.fixed_mut().fill(false);
+        self.fix(grid, space, time_step, faults);
+        let slides = if faults.ignores_walls() { &[] } else { grid.node_fields.slides(&DISPLACEMENT) };
+        self.frames = NodalFrames::new(block, &self.dofs, slides);
+    }
+
+    fn fix(&mut self, grid: &ModelPart, space: &Space, time_step: f64, faults: KratosFaults) {
+        let block = self.dofs.block();
         let Some(fixed) = grid.node_fields.fixed(&DISPLACEMENT) else { return };
         if !space.is_mesh() && self.fixed != fixed {
             (self.fixed, self.held) = (fixed.to_vec(), space.held(fixed).into_owned());
@@ -112,6 +121,7 @@ impl Nodes {
                 (false, None) => 0.0,
             };
         }
+        self.frames.slide(&mut self.velocity);
     }
 
     /// Momentum over mass, whatever is imposed.
@@ -127,6 +137,7 @@ impl Nodes {
                 *acceleration = accelerations[dof];
             }
         }
+        self.frames.slide(&mut self.acceleration);
     }
 
     /// Accelerations, reactions, and momentum after the time `impulse`.
@@ -144,5 +155,14 @@ impl Nodes {
                 self.sums.momentum[dof] += impulse * self.sums.force[dof];
             }
         }
+        if self.frames.is_empty() {
+            return;
+        }
+        self.frames.slide(&mut self.acceleration);
+        self.frames.slide(&mut self.sums.momentum);
+        for dof in 0..self.dofs.order() {
+            self.reaction[dof] = self.mass(dof).unwrap_or(0.0) * self.acceleration[dof] - self.sums.force[dof];
+        }
+        self.frames.keep_held(&self.dofs, &mut self.reaction);
     }
 }

@@ -82,7 +82,7 @@ impl Explicit {
 
     fn consistent_mass<'a>(&'a self, points: &'a MaterialPoints) -> ConsistentMass<'a> {
         let (active, space, dofs) = (&self.active, &self.scene.space, &self.nodes.dofs);
-        ConsistentMass { blocks: &points.blocks, active, space, dofs }
+        ConsistentMass { blocks: &points.blocks, active, space, dofs, frames: &self.nodes.frames }
     }
 
     /// Takes the points to the end of the step.

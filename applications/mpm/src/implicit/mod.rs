@@ -26,7 +26,7 @@ use bia_kernel::model::{Model, ModelPart};
 use bia_kernel::processes::{Clock, Context, Location, Process, Requirements, ResetNodes, RunOptions};
 use bia_kernel::registry::Registry;
 use bia_kernel::solving::solver::{Inventory, Solver};
-use bia_kernel::solving::{ActiveDofs, Criterion, NonlinearSystem, StepReport, System};
+use bia_kernel::solving::{ActiveDofs, Criterion, NodalFrames, NonlinearSystem, StepReport, System};
 use element::Rule;
 use kratos_faults::KratosFaults;
 use mixed::{Mixed, relax_fluids};
@@ -61,6 +61,8 @@ pub struct Implicit {
     linear: Option<Box<dyn LinearSolver>>,
     active: ActiveCells,
     dofs: ActiveDofs,
+    /// Frames of nodes that slide along walls.
+    frames: NodalFrames,
     system: Option<System>,
     sums: NodalSums,
     inertia: Option<Inertia>,
@@ -93,6 +95,7 @@ impl Implicit {
             linear: None,
             active: ActiveCells::default(),
             dofs: ActiveDofs::default(),
+            frames: NodalFrames::default(),
             system: None,
             sums: NodalSums::default(),
             inertia: None,
@@ -172,6 +175,8 @@ impl Implicit {
                 }
             }
         }
+        self.frames = NodalFrames::new(block, &self.dofs, grid.node_fields.slides(&DISPLACEMENT));
+        self.frames.slide(&mut self.increments);
     }
 
     fn write_nodal_mass(&self, grid: &mut ModelPart) {
@@ -212,13 +217,14 @@ impl Implicit {
         let mut mixed = self.mixed.take();
         let result = match &mut mixed {
             Some(mixed) => self.mixed_reactions(mixed, points, grid, time_step, &mut system),
-            None => self.problem(points, grid, time_step).assemble(&mut system, false).map(|()| {
-                let residual = system.rhs.iter().zip(self.dofs.fixed());
-                residual.map(|(r, fixed)| if *fixed { -r } else { 0.0 }).collect()
-            }),
+            None => {
+                let result = self.problem(points, grid, time_step).assemble(&mut system, false);
+                result.map(|()| system.rhs.iter().map(|r| -r).collect())
+            }
         };
         (self.system, self.mixed) = (Some(system), mixed);
-        let reactions = result?;
+        let mut reactions: Vec<f64> = result?;
+        self.frames.keep_held(&self.dofs, &mut reactions);
         let (count, block) = (grid.nodes.len(), self.dofs.block());
         let column = grid.node_fields.vector_mut(&REACTION, count);
         column.fill([0.0; 3]);
@@ -331,7 +337,8 @@ impl Solver for Implicit {
                 Some(mixed) => this.solve_mixed(mixed, (points, grid), time_step, &mut system, linear.as_mut()),
                 None => {
                     let mut problem = this.problem(points, grid, time_step);
-                    let result = this.scene.settings.newton.solve(&mut problem, &mut system, linear.as_mut());
+                    let newton = &this.scene.settings.newton;
+                    let result = this.frames.solve(newton, &mut problem, &mut system, linear.as_mut());
                     (this.increments, this.assembled) = (problem.increments, problem.assembled);
                     result
                 }

@@ -90,14 +90,20 @@ impl Implicit {
         let consistent = settings.consistent_mass || settings.conserves_energy;
         let is_first = self.motion.velocity.len() != self.dofs.order();
         let mut motion = std::mem::take(&mut self.motion);
-        let mass =
-            ConsistentMass { blocks: &points.blocks, active: &self.active, space: &self.scene.space, dofs: &self.dofs };
+        let mass = ConsistentMass {
+            blocks: &points.blocks,
+            active: &self.active,
+            space: &self.scene.space,
+            dofs: &self.dofs,
+            frames: &self.frames,
+        };
         let from_points = is_first || settings.flip_fraction < 1.0;
         if from_points {
             motion.velocity = if consistent { vec![0.0; self.dofs.order()] } else { self.by_mass(&self.sums.momentum) };
         }
         let held = || self.dofs.fixed().iter().zip(&self.increments).enumerate().filter(|(_, (held, _))| **held);
         held().for_each(|(dof, (_, u))| motion.velocity[dof] = u / time_step);
+        self.frames.slide(&mut motion.velocity);
         if from_points && consistent {
             mass.project(system, &mut motion.velocity)?;
         }
@@ -114,6 +120,7 @@ impl Implicit {
             };
         }
         held().for_each(|(dof, _)| motion.acceleration[dof] = 0.0);
+        self.frames.slide(&mut motion.acceleration);
         self.motion = motion;
         Ok(())
     }

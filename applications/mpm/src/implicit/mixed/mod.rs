@@ -18,12 +18,12 @@ use super::Implicit;
 use super::problem::Problem;
 use crate::points::MaterialPoints;
 use crate::settings::{MixedSettings, Regime, Stabilization, Variant};
-use crate::variables::{PRESSURE, PRESSURE_REACTION};
+use crate::variables::{DISPLACEMENT, PRESSURE, PRESSURE_REACTION};
 use bia_constitutive::Shear;
 use bia_kernel::error::Error;
 use bia_kernel::linalg::LinearSolver;
 use bia_kernel::model::ModelPart;
-use bia_kernel::solving::{ActiveDofs, Field, Newton, NonlinearSystem, Reference, StepReport, System};
+use bia_kernel::solving::{ActiveDofs, Field, Newton, NodalFrames, NonlinearSystem, Reference, StepReport, System};
 use constants::Constants;
 use element::Terms;
 use gather::PressureSums;
@@ -228,8 +228,10 @@ impl Implicit {
         linear: &mut dyn LinearSolver,
     ) -> Result<StepReport, Error> {
         let newton: &Newton = &self.scene.settings.newton;
+        let slides = grid.node_fields.slides(&DISPLACEMENT);
+        let frames = NodalFrames::new(self.dofs.block(), &mixed.dofs, slides);
         let mut problem = mixed.problem(self.problem(points, grid, time_step));
-        let report = newton.solve(&mut problem, system, linear);
+        let report = frames.solve(newton, &mut problem, system, linear);
         let MixedProblem { base, unknowns, .. } = problem;
         let (increments, assembled) = (base.increments, base.assembled);
         mixed.unknowns = unknowns;
@@ -247,7 +249,7 @@ impl Implicit {
         }
     }
 
-    /// Minus the residuals at the solution: forces that hold displacements, and their like for pressures.
+    /// Minus the residuals of displacement at the solution; writes those that hold pressures.
     pub(super) fn mixed_reactions(
         &mut self,
         mixed: &mut Mixed,
@@ -262,17 +264,19 @@ impl Implicit {
         mixed.unknowns = unknowns;
         assembled?;
         let block = self.dofs.block();
-        let held = system.rhs.iter().zip(mixed.dofs.fixed()).map(|(r, fixed)| if *fixed { -r } else { 0.0 });
-        let reactions: Vec<f64> = held.collect();
+        let residuals = system.rhs.chunks_exact(block + 1);
         if mixed.shows_reaction {
             let count = grid.nodes.len();
             let column = grid.node_fields.scalar_mut(&PRESSURE_REACTION, count);
             column.fill(0.0);
-            for (&node, reactions) in self.dofs.nodes().iter().zip(reactions.chunks_exact(block + 1)) {
-                column[node as usize] = reactions[block];
+            let held = mixed.dofs.fixed().chunks_exact(block + 1).map(|fixed| fixed[block]);
+            for ((&node, residuals), _) in
+                self.dofs.nodes().iter().zip(residuals.clone()).zip(held).filter(|(_, held)| *held)
+            {
+                column[node as usize] = -residuals[block];
             }
         }
-        Ok(reactions.chunks_exact(block + 1).flat_map(|node| &node[..block]).copied().collect())
+        Ok(residuals.flat_map(|node| &node[..block]).map(|r| -r).collect())
     }
 }
 
