@@ -377,6 +377,7 @@ impl Solver for Implicit {
             let is_total = this.scene.settings.discretisation.frame == Frame::Total;
             let before = this.inertia.as_ref().filter(|_| is_total).map_or(&[][..], |i| &i.velocity);
             let velocity_changes: Vec<f64> = velocities.iter().zip(before).map(|(v, v0)| v - v0).collect();
+            let starts = this.mixed.as_ref().is_some_and(Mixed::starts);
             let nodal = NodalResults {
                 space,
                 frame: this.scene.settings.discretisation.frame,
@@ -390,11 +391,11 @@ impl Solver for Implicit {
                 velocity_changes: &velocity_changes,
                 flip_fraction: this.scene.settings.flip_fraction,
                 time_step,
-                gamma: this.scene.settings.point_gamma,
+                gamma: if starts { 1.0 } else { this.scene.settings.point_gamma },
                 least_function: this.faults().least_function(),
             };
             update_points(points, &nodal)?;
-            if this.mixed.is_some() && !is_total {
+            if !is_total {
                 relax_fluids(points);
             }
             this.write_pressures(grid);
@@ -412,6 +413,7 @@ impl Solver for Implicit {
                 this.previous.copy_from_slice(grid.node_fields.vector_mut(&DISPLACEMENT, count));
             }
             this.increments = increments;
+            this.mixed.iter_mut().for_each(Mixed::has_started);
             if is_total {
                 this.motion = Motion { velocity: velocities, acceleration: accelerations };
             }

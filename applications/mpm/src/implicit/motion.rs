@@ -7,6 +7,7 @@
 //! back in, and its dissipation.
 
 use super::Implicit;
+use super::mixed::Mixed;
 use super::problem::Inertia;
 use crate::points::MaterialPoints;
 use crate::projection::ConsistentMass;
@@ -57,9 +58,14 @@ impl Implicit {
         } else {
             (self.by_mass(&self.sums.momentum), self.by_mass(&self.sums.inertia))
         };
+        let starts = self.mixed.as_ref().is_some_and(Mixed::starts);
         self.inertia = Some(Inertia {
-            coefficients: if conserves { Coefficients::midpoint(time_step) } else { newmark.coefficients(time_step) },
-            alpha: if conserves { 0.0 } else { newmark.alpha },
+            coefficients: match (starts, conserves) {
+                (true, _) => Coefficients::backward_euler(time_step),
+                (_, true) => Coefficients::midpoint(time_step),
+                _ => newmark.coefficients(time_step),
+            },
+            alpha: if conserves || starts { 0.0 } else { newmark.alpha },
             consistent,
             velocity: motion.0,
             acceleration: motion.1,
@@ -104,11 +110,15 @@ impl Implicit {
         let held = || self.dofs.fixed().iter().zip(&self.increments).enumerate().filter(|(_, (held, _))| **held);
         held().for_each(|(dof, (_, u))| motion.velocity[dof] = u / time_step);
         self.frames.slide(&mut motion.velocity);
+        let has_pressures = self.mixed.is_some();
         if from_points && consistent {
-            mass.project(system, &mut motion.velocity)?;
+            match has_pressures {
+                true => mass.project(&mut mass.system(), &mut motion.velocity)?,
+                false => mass.project(system, &mut motion.velocity)?,
+            }
         }
-        if settings.conserves_energy {
-            // The mid-point rule does not look at it.
+        if settings.conserves_energy || (has_pressures && is_first) {
+            // Neither the mid-point rule nor the first step with pressures looks at it.
             motion.acceleration = vec![0.0; self.dofs.order()];
         } else if is_first {
             let mut problem = self.problem(points, grid, time_step);

@@ -15,7 +15,7 @@ const SEARCH: &[Key] = &[
 ];
 
 /// Keys of `solver_settings`.
-pub const KEYS: &[Key] = &Key::join::<7, 44, 51>(
+pub const KEYS: &[Key] = &Key::join::<7, 45, 52>(
     CONVERGENCE,
     [
         Key::required("solver_type", Kind::Text, "static, quasi_static or dynamic"),
@@ -106,6 +106,12 @@ pub const KEYS: &[Key] = &Key::join::<7, 44, 51>(
             Kind::Choice(&["updated_lagrangian", "total_lagrangian"]),
             "\"updated_lagrangian\"",
             "where the grid's functions are evaluated: at the present place of a point, or for ever at its first",
+        ),
+        Key::optional(
+            "grid_reset",
+            Kind::Choice(&["every_step", "never"]),
+            "whether the grid goes back after each step, or moves on with the body: frame updated_lagrangian or \
+             total_lagrangian by another name",
         ),
         Key::new(
             "basis",

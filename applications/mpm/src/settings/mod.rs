@@ -17,6 +17,7 @@ use bia_kernel::parameters::{Parameters, Settings};
 use bia_kernel::solving::linear::{self, Nature};
 use bia_kernel::solving::{Criterion, MeshSource, Newmark, Newton};
 use checks::{check_explicit, check_implicit, check_scheme};
+use discretisation::check_frame;
 use mixed::check_mixed;
 use std::path::Path;
 
@@ -147,6 +148,7 @@ impl SolverSettings {
         let is_explicit = regime == Regime::Dynamic && s.text("time_integration_method") == "explicit";
         check_scheme(&s, is_explicit, &mut errors);
         check_mixed(&s, is_explicit, &mut errors);
+        check_frame(&s, &mut errors);
         if is_explicit {
             check_explicit(&s, &mut errors);
         } else {

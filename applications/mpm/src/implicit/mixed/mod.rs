@@ -97,6 +97,7 @@ pub struct Mixed {
     couplings: Option<System>,
     unknowns: Unknowns,
     shows_reaction: bool,
+    starts: bool,
 }
 
 impl Mixed {
@@ -110,12 +111,24 @@ impl Mixed {
             couplings: None,
             unknowns: Unknowns::default(),
             shows_reaction: false,
+            starts: !kratos_exact,
         }
     }
 
     /// PRESSURE_REACTION is wanted.
     pub fn show_reaction(&mut self, wanted: bool) {
         self.shows_reaction = wanted;
+    }
+
+    /// The first step is at hand, and is one of the backward Euler method. What pressures make of the
+    /// acceleration is not known before; Newmark's scheme would carry the error of a guess along for ever.
+    pub fn starts(&self) -> bool {
+        self.starts
+    }
+
+    /// Says that the first step is done.
+    pub fn has_started(&mut self) {
+        self.starts = false;
     }
 
     /// Pressures at the end of the last step, by number of the node.
