@@ -10,6 +10,7 @@
 
 mod automatic;
 mod direct;
+mod equilibration;
 mod error;
 mod iterative;
 mod matrix;

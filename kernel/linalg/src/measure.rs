@@ -1,6 +1,6 @@
 //! Timings on cubes of elastic hexahedra, for the thresholds in `automatic`; run with `--ignored --nocapture`.
 
-use crate::test_systems::{elastic_box, vector};
+use crate::test_systems::{MixedBox, Pressure, elastic_box, vector};
 use crate::{BlockMatrix, BlockPattern, IterativeSettings, LinearSolver, Method, Preconditioner, solver};
 use std::time::Instant;
 
@@ -76,5 +76,32 @@ fn pattern() {
     for _ in 0..5 {
         let work = || drop(BlockPattern::from_cliques(3, 4913, cells.iter().map(|cell| &cell[..])));
         println!("pattern of 4096 hexahedra: {:.2} ms", milliseconds(work));
+    }
+}
+
+#[test]
+#[ignore = "measures, asserts nothing"]
+fn mixed_direct() {
+    for (dimension, cells) in [(2, 32), (2, 100), (3, 8), (3, 16)] {
+        if numbers("CELLS", &[cells]).iter().all(|&wanted| wanted != cells) {
+            continue;
+        }
+        for pressure in [Pressure::Stabilised, Pressure::Coarse] {
+            for skew in [0.0, 0.1] {
+                let (a, b) = MixedBox { pressure, skew, ..MixedBox::new(dimension, cells) }.system();
+                println!("{dimension}D {cells} cells, {} dofs, {pressure:?}, skew {skew}", b.len());
+                let mut x = vec![0.0; b.len()];
+                for method in [Method::Ldlt, Method::Lu] {
+                    if skew != 0.0 && method == Method::Ldlt {
+                        continue;
+                    }
+                    let mut solver = solver(method);
+                    let first = milliseconds(|| drop(solver.solve(&a, &b, &mut x)));
+                    let mut result = None;
+                    let again = milliseconds(|| result = Some(solver.solve(&a, &b, &mut x)));
+                    println!("  {:<60} {first:9.1} {again:9.1} ms {:?}", solver.name(), result.unwrap());
+                }
+            }
+        }
     }
 }

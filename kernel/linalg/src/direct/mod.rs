@@ -2,12 +2,14 @@
 
 mod factors;
 mod lu;
+mod multifrontal;
 mod probe;
 mod symmetric;
 #[cfg(test)]
 mod tests;
 
-pub use lu::Lu;
+pub use lu::Lu as ColumnLu;
+pub use multifrontal::Lu;
 pub use symmetric::{Cholesky, Ldlt, PivotedLdlt};
 
 use crate::vector::{norm, position_of_greatest};

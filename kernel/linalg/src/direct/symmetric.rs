@@ -1,16 +1,17 @@
 //! Factorisations of symmetric matrices: `L L^T`, `L D L^T`, and `L B L^T` with pivoting in supernodes.
 
 use super::factors::{COLUMNS, Factorisation, ScalarColumns, allocate, check_size, out_of_memory};
+use super::multifrontal::minimum_degree;
 use crate::{BlockMatrix, BlockPattern, LinearError};
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::cholesky::ldlt::factor::LdltError;
 use faer::linalg::cholesky::llt::factor::LltError;
 use faer::perm::PermRef;
+use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, IntranodeLbltRef, LdltRef, LltRef, SymbolicCholesky, SymbolicCholeskyRaw,
     SymmetricOrdering, factorize_symbolic_cholesky, supernodal::SupernodalLdltRef,
 };
-use faer::sparse::linalg::{SupernodalThreshold, amd};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par, Side};
 
@@ -31,6 +32,7 @@ impl Analysis {
         let columns = lower_structure(pattern)?;
         let order = pattern.order();
         let (forward, inverse) = minimum_degree(pattern)?;
+        let (forward, inverse) = (expanded(&forward, pattern.block()), expanded(&inverse, pattern.block()));
         let symbolic = factorize_symbolic_cholesky(
             SymbolicSparseColMatRef::new_checked(order, order, &columns.start, None, &columns.rows),
             Side::Lower,
@@ -99,19 +101,9 @@ fn fill_lower(a: &BlockMatrix, values: &mut [f64]) {
     }
 }
 
-/// Approximate minimum degree order of the nodes (Amestoy, Davis and Duff 1996), expanded to scalars: the
-/// unknowns of a node have the same neighbours, so ordering nodes is as good and much cheaper.
-fn minimum_degree(pattern: &BlockPattern) -> Result<(Vec<u32>, Vec<u32>), LinearError> {
-    let (rows, block) = (pattern.rows(), pattern.block());
-    let graph = SymbolicSparseColMatRef::new_checked(rows, rows, pattern.row_start(), None, pattern.columns());
-    let (mut forward, mut inverse) = (vec![0u32; rows], vec![0u32; rows]);
-    let mut memory = allocate(amd::order_scratch::<u32>(rows, pattern.entries()))?;
-    amd::order(&mut forward, &mut inverse, graph, amd::Control::default(), MemStack::new(&mut memory))
-        .map_err(out_of_memory)?;
-    let expand = |order: &[u32]| -> Vec<u32> {
-        order.iter().flat_map(|&node| (0..block).map(move |i| node * block as u32 + i as u32)).collect()
-    };
-    Ok((expand(&forward), expand(&inverse)))
+/// An order of nodes, expanded to their unknowns.
+fn expanded(order: &[u32], block: usize) -> Vec<u32> {
+    order.iter().flat_map(|&node| (0..block).map(move |i| node * block as u32 + i as u32)).collect()
 }
 
 fn lower_view(columns: &ScalarColumns) -> SparseColMatRef<'_, u32, f64> {
