@@ -1,6 +1,6 @@
 //! Choice of a method by size, and fall-backs.
 
-use crate::direct::{Cholesky, Direct, Ldlt, Lu, PivotedLdlt};
+use crate::direct::{Cholesky, Direct, Ldlt, Lu};
 use crate::iterative::{BiCgStab, ConjugateGradient, IterativeSettings};
 use crate::{BlockMatrix, LinearError, LinearSolver, SolveReport};
 
@@ -31,9 +31,9 @@ impl Chain {
         Self { attempts: Vec::new(), last: Box::new(Direct::<Lu>::default()) }
     }
 
-    /// `L D L^T` without, then with pivoting, then LU.
+    /// `L D L^T` without pivoting, then LU.
     pub fn indefinite() -> Self {
-        Self::general().after(Direct::<PivotedLdlt>::default(), false).after(Direct::<Ldlt>::default(), false)
+        Self::general().after(Direct::<Ldlt>::default(), false)
     }
 
     /// Cholesky, then as [`Chain::indefinite`].

@@ -38,6 +38,26 @@ impl Equilibration {
     }
 }
 
+impl Equilibration {
+    /// `scaled = R A C`.
+    pub fn apply(&self, a: &BlockMatrix, scaled: &mut BlockMatrix) {
+        scaled.clone_from(a);
+        let block = a.pattern.block();
+        for row in 0..a.pattern.rows() {
+            for entry in a.pattern.row(row) {
+                let column = a.pattern.columns()[entry] as usize;
+                let columns = &self.columns[column * block..(column + 1) * block];
+                let values = &mut scaled.values[entry * block * block..(entry + 1) * block * block];
+                for (values, scale) in values.chunks_exact_mut(block).zip(&self.rows[row * block..]) {
+                    for (value, column) in values.iter_mut().zip(columns) {
+                        *value *= scale * column;
+                    }
+                }
+            }
+        }
+    }
+}
+
 /// Power of two near `1 / sqrt(value)`; 1 for zero.
 fn inverse_root(value: f64) -> f64 {
     if value > 0.0 && value.is_finite() { (-0.5 * value.log2()).round().exp2() } else { 1.0 }

@@ -105,3 +105,39 @@ fn mixed_direct() {
         }
     }
 }
+
+#[test]
+#[ignore = "measures, asserts nothing"]
+fn mixed_krylov() {
+    for cells in numbers("CELLS", &[8, 16]) {
+        for bulk in [1.0, 1e3, f64::INFINITY] {
+            for inertia in [0.0, 1.0, 100.0] {
+                // Density over the square of the step, in units of shear modulus over the square of the cell.
+                let inertia = inertia * (cells * cells) as f64;
+                for skew in [0.0, 0.1] {
+                    let (a, b) = MixedBox { bulk, skew, inertia, ..MixedBox::new(3, cells) }.system();
+                    println!("{cells} cells, {} dofs, bulk {bulk}, skew {skew}, inertia {inertia}", b.len());
+                    let mut x = vec![0.0; b.len()];
+                    let mut one = |method: Method| {
+                        let mut solver = solver(method);
+                        drop(solver.solve(&a, &b, &mut x));
+                        let mut result = None;
+                        let again = milliseconds(|| result = Some(solver.solve(&a, &b, &mut x)));
+                        println!(
+                            "  {:<90} {again:9.1} ms {:?}",
+                            solver.name(),
+                            result.unwrap().map(|r| (r.iterations, r.residual, r.backward_error, r.note))
+                        );
+                    };
+                    for preconditioner in [Preconditioner::Incomplete, Preconditioner::BlockTriangular] {
+                        let settings = IterativeSettings { preconditioner, ..IterativeSettings::new(1e-9) };
+                        one(Method::Gmres(settings.clone()));
+                    }
+                    if std::env::var("DIRECT").is_ok() {
+                        one(if skew == 0.0 { Method::Ldlt } else { Method::Lu });
+                    }
+                }
+            }
+        }
+    }
+}

@@ -2,7 +2,7 @@
 
 use crate::automatic::{Automatic, Chain};
 use crate::direct::{Cholesky, Direct, Lu};
-use crate::iterative::{BiCgStab, ConjugateGradient, IterativeSettings};
+use crate::iterative::{BiCgStab, ConjugateGradient, Gmres, IterativeSettings};
 use crate::{BlockMatrix, LinearError};
 
 /// What a solve did.
@@ -12,6 +12,9 @@ pub struct SolveReport {
     pub iterations: Option<usize>,
     /// Relative residual `||b - A x|| / ||b||`, computed anew from the returned solution (0 if `b = 0`).
     pub residual: f64,
+    /// Componentwise backward error `max_i |b - A x|_i / (|A| |x| + |b|)_i` of a direct method: independent of the
+    /// units of rows and columns, about 1e-16 to 1e-13 where all is well.
+    pub backward_error: Option<f64>,
     /// Number of negative pivots, i.e. of negative eigenvalues (Sylvester's law of inertia), where an
     /// `L D L^T` factorisation gives it. Not 0 at an unstable equilibrium.
     pub negative_pivots: Option<usize>,
@@ -38,18 +41,21 @@ pub trait LinearSolver: Send {
 pub enum Method {
     /// Sparse `L L^T`, for symmetric positive definite matrices.
     Cholesky,
-    /// Sparse `L D L^T`, for symmetric matrices; falls back to pivoting inside supernodes (Bunch and
-    /// Kaufman) and then to [`Method::Lu`] where a pivot is zero or the result inaccurate.
+    /// Sparse `L D L^T`, for symmetric matrices; falls back to [`Method::Lu`] where a pivot is zero or the result
+    /// inaccurate.
     Ldlt,
     /// Cholesky, and if the matrix is not positive definite [`Method::Ldlt`]: for matrices that are
     /// definite at stable states only.
     Symmetric,
-    /// Sparse LU with partial pivoting, for any regular matrix.
+    /// Sparse LU with threshold pivoting, for any regular matrix, saddle points with a vanishing block among them.
     Lu,
     /// Preconditioned conjugate gradients, for symmetric positive definite matrices.
     ConjugateGradient(IterativeSettings),
     /// Preconditioned BiCGSTAB, for any regular matrix.
     BiCgStab(IterativeSettings),
+    /// Preconditioned GMRES on the equilibrated matrix, for any regular matrix; tolerance and reported residual are those
+    /// of the equilibrated system.
+    Gmres(IterativeSettings),
     /// Chooses by symmetry, dimension and size, and falls back to a direct method on failure.
     Automatic {
         /// Whether the matrices will be symmetric.
@@ -70,6 +76,7 @@ pub fn solver(method: Method) -> Box<dyn LinearSolver> {
         Method::Lu => Box::new(Direct::<Lu>::default()),
         Method::ConjugateGradient(settings) => Box::new(ConjugateGradient::new(settings)),
         Method::BiCgStab(settings) => Box::new(BiCgStab::new(settings)),
+        Method::Gmres(settings) => Box::new(Gmres::new(settings)),
         Method::Automatic { symmetric, dimension, tolerance } => {
             Box::new(Automatic::new(symmetric, dimension, tolerance))
         }

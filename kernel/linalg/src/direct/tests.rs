@@ -93,7 +93,7 @@ fn a_zero_pivot_falls_back_to_pivoting() {
     let report = solver(Method::Ldlt).solve(&a, &b, &mut x).unwrap();
     let expected: Vec<f64> = b.chunks(2).flat_map(|pair| [pair[1], pair[0]]).collect();
     assert_eq!(x, expected);
-    assert!(report.note.unwrap().contains("pivoting in supernodes"));
+    assert!(report.note.unwrap().contains("solved by sparse LU"));
 }
 
 #[test]
@@ -182,7 +182,7 @@ fn a_free_body_is_singular() {
 fn an_unsymmetric_matrix_does_not_pass_cholesky() {
     let a = random_system(3, 20, false, 2);
     let result = solver(Method::Cholesky).solve(&a, &vector(60, 1), &mut [0.0; 60]);
-    assert!(matches!(result, Err(LinearError::Inaccurate { residual, .. }) if residual > 1e-6));
+    assert!(matches!(result, Err(LinearError::Inaccurate { backward_error, .. }) if backward_error > 1e-6));
 }
 
 #[test]

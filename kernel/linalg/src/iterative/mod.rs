@@ -3,13 +3,16 @@
 mod bicgstab;
 mod block;
 mod conjugate_gradient;
+mod gmres;
 mod incomplete;
 mod preconditioning;
+mod saddle;
 #[cfg(test)]
 mod tests;
 
 pub use bicgstab::BiCgStab;
 pub use conjugate_gradient::ConjugateGradient;
+pub use gmres::Gmres;
 
 use crate::{LinearError, SolveReport};
 
@@ -37,6 +40,7 @@ impl IterativeSettings {
             Preconditioner::BlockJacobi => "block Jacobi",
             Preconditioner::DiagonalIncomplete => "diagonal incomplete factorisation (D-ILU)",
             Preconditioner::Incomplete => "incomplete factorisation ILU(0)",
+            Preconditioner::BlockTriangular => "block triangle with an approximate Schur complement",
         };
         format!("{method}, {preconditioner}, tolerance {:.1e}", self.tolerance)
     }
@@ -73,4 +77,7 @@ pub enum Preconditioner {
     DiagonalIncomplete,
     /// Incomplete factorisation on the pattern of `A`, ILU(0) in blocks: fewer iterations, dear set-up.
     Incomplete,
+    /// For displacements and, last on each node, a pressure, `A = [K B^T; B' -C]`: the block triangle
+    /// `M = [K B^T; 0 -S]`, where `K` and the approximate Schur complement `S` are factorised incompletely.
+    BlockTriangular,
 }

@@ -5,11 +5,14 @@ use faer::linalg::triangular_solve::solve_unit_lower_triangular_in_place;
 use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{Accum, MatMut, MatRef, Par};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// A pivot is at least this part of the greatest entry of its column.
 const THRESHOLD: f64 = 0.1;
-/// Columns eliminated before the others are brought up to date.
-const PANEL: usize = 32;
+/// Columns eliminated before all others are brought up to date.
+const BLOCK: usize = 128;
+/// Columns eliminated before the others of their block are brought up to date.
+const PANEL: usize = 16;
 /// Columns brought up to date by one task.
 const COLUMNS_PER_TASK: usize = 128;
 /// Updates of fewer entries stay on the calling thread.
@@ -45,15 +48,11 @@ impl Front {
         let (size, summed) = (self.size(), self.summed);
         let (mut done, mut tail, mut before) = (0, summed, 0);
         while done < tail {
-            let end = tail.min(done + PANEL);
-            let (last, exchanges) = self.panel(done, end);
+            let end = tail.min(done + BLOCK);
+            let (last, exchanges) = self.block(done, end);
             self.exchange_rows(0..done, done, &exchanges);
-            self.update(done, last, end, &exchanges);
-            // Refused columns stand at last..end: put them behind the other candidates.
-            for refused in (last..end).rev() {
-                tail -= 1;
-                self.exchange_columns(refused, tail);
-            }
+            self.update(done..last, end..size, &exchanges);
+            tail = self.put_off(last..end, tail);
             done = last;
             if done == tail && done > before {
                 // Later pivots may have made the refused columns acceptable.
@@ -70,11 +69,35 @@ impl Front {
     }
 
     /// Eliminates within columns `begin..end`; returns the end of the accepted ones, which come first, and for each the
-    /// row exchanged with it.
-    fn panel(&mut self, begin: usize, end: usize) -> (usize, Vec<usize>) {
+    /// row exchanged with it, in these columns only.
+    fn block(&mut self, begin: usize, end: usize) -> (usize, Vec<usize>) {
+        let (mut done, mut tail) = (begin, end);
+        let mut exchanges = Vec::with_capacity(end - begin);
+        while done < tail {
+            let panel_end = tail.min(done + PANEL);
+            let known = exchanges.len();
+            let last = self.panel(done, panel_end, &mut exchanges);
+            self.exchange_rows(begin..done, done, &exchanges[known..]);
+            self.update(done..last, panel_end..end, &exchanges[known..]);
+            tail = self.put_off(last..panel_end, tail);
+            done = last;
+        }
+        (done, exchanges)
+    }
+
+    /// Exchanges refused columns with the last candidates before `tail`; returns the new end of the candidates.
+    fn put_off(&mut self, refused: Range<usize>, mut tail: usize) -> usize {
+        for column in refused.rev() {
+            tail -= 1;
+            self.exchange_columns(column, tail);
+        }
+        tail
+    }
+
+    /// The same column by column.
+    fn panel(&mut self, begin: usize, end: usize, exchanges: &mut Vec<usize>) -> usize {
         let (size, summed) = (self.size(), self.summed);
         let (mut column, mut last) = (begin, end);
-        let mut exchanges = Vec::with_capacity(end - begin);
         while column < last {
             let values = &self.values[column * size..(column + 1) * size];
             let (row, pivot) = greatest(&values[column..summed]);
@@ -98,7 +121,7 @@ impl Front {
             pulp::Arch::new().dispatch(|| eliminate_column(&mut factor[1..], reciprocal, right, size, column));
             column += 1;
         }
-        (last, exchanges)
+        last
     }
 
     fn exchange_columns(&mut self, i: usize, j: usize) {
@@ -111,30 +134,31 @@ impl Front {
         self.columns.swap(i, j);
     }
 
-    fn exchange_rows(&mut self, columns: std::ops::Range<usize>, first: usize, exchanges: &[usize]) {
+    fn exchange_rows(&mut self, columns: Range<usize>, first: usize, exchanges: &[usize]) {
         let size = self.size();
         for column in self.values[columns.start * size..columns.end * size].chunks_exact_mut(size) {
             exchange(column, first, exchanges);
         }
     }
 
-    /// Brings the columns from `end` on up to date after the pivots `done..last` were found.
-    fn update(&mut self, done: usize, last: usize, end: usize, exchanges: &[usize]) {
+    /// Brings `columns` up to date after `pivots` to the left of them were found.
+    fn update(&mut self, pivots: Range<usize>, columns: Range<usize>, exchanges: &[usize]) {
         let size = self.size();
-        if last == done || end == size {
+        if pivots.is_empty() || columns.is_empty() {
             return;
         }
-        let (left, right) = self.values.split_at_mut(end * size);
-        let panel = MatRef::from_column_major_slice(&left[done * size..last * size], size, last - done);
-        let (square, below) = (panel.subrows(done, last - done), panel.subrows(last, size - last));
+        let (left, right) = self.values[..columns.end * size].split_at_mut(columns.start * size);
+        let factors =
+            MatRef::from_column_major_slice(&left[pivots.start * size..pivots.end * size], size, pivots.len());
+        let (square, below) = factors.subrows(pivots.start, size - pivots.start).split_at_row(pivots.len());
         let work = |columns: &mut [f64]| {
-            columns.chunks_exact_mut(size).for_each(|column| exchange(column, done, exchanges));
+            columns.chunks_exact_mut(size).for_each(|column| exchange(column, pivots.start, exchanges));
             let count = columns.len() / size;
             let columns = MatMut::from_column_major_slice_mut(columns, size, count);
-            let (above, rest) = columns.split_at_row_mut(last);
-            let mut pivots = above.subrows_mut(done, last - done);
-            solve_unit_lower_triangular_in_place(square, pivots.rb_mut(), Par::Seq);
-            matmul(rest, Accum::Add, below, pivots.rb(), -1.0, Par::Seq);
+            let (mut across, rest) =
+                columns.subrows_mut(pivots.start, size - pivots.start).split_at_row_mut(pivots.len());
+            solve_unit_lower_triangular_in_place(square, across.rb_mut(), Par::Seq);
+            matmul(rest, Accum::Add, below, across.rb(), -1.0, Par::Seq);
         };
         // The cut is the same for any number of threads.
         let length = COLUMNS_PER_TASK * size;
