@@ -129,7 +129,7 @@ fn mixed_krylov() {
                             result.unwrap().map(|r| (r.iterations, r.residual, r.backward_error, r.note))
                         );
                     };
-                    for preconditioner in [Preconditioner::Incomplete, Preconditioner::BlockTriangular] {
+                    for preconditioner in [Preconditioner::Incomplete] {
                         let settings = IterativeSettings { preconditioner, ..IterativeSettings::new(1e-9) };
                         one(Method::Gmres(settings.clone()));
                     }

@@ -50,11 +50,6 @@ impl BlockPattern {
         pattern
     }
 
-    /// The same nodes and couplings for blocks of another size.
-    pub(crate) fn with_block(&self, block: usize) -> Self {
-        Self { block, ..self.clone() }
-    }
-
     /// Block size `B`: scalar unknowns of a node.
     pub fn block(&self) -> usize {
         self.block

@@ -36,6 +36,18 @@ pub trait LinearSolver: Send {
     fn solve(&mut self, a: &BlockMatrix, rhs: &[f64], x: &mut [f64]) -> Result<SolveReport, LinearError>;
 }
 
+/// What a system is like, so that a fitting method is chosen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Nature {
+    /// The matrix is symmetric.
+    pub symmetric: bool,
+    /// Dimension of the mesh: direct methods stay cheap much longer in 2 dimensions than in 3.
+    pub dimension: usize,
+    /// Displacements and, as the last component of each node, a pressure: the matrix is indefinite and its rows have
+    /// different units.
+    pub saddle: bool,
+}
+
 /// Which linear solver.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Method {
@@ -56,12 +68,10 @@ pub enum Method {
     /// Preconditioned GMRES on the equilibrated matrix, for any regular matrix; tolerance and reported residual are those
     /// of the equilibrated system.
     Gmres(IterativeSettings),
-    /// Chooses by symmetry, dimension and size, and falls back to a direct method on failure.
+    /// Chooses by the nature of the system and by its size, and falls back to a direct method on failure.
     Automatic {
-        /// Whether the matrices will be symmetric.
-        symmetric: bool,
-        /// Dimension of the mesh: direct methods stay cheap much longer in 2 dimensions than in 3.
-        dimension: usize,
+        /// What the matrices will be like.
+        nature: Nature,
         /// Relative residual asked of iterative methods.
         tolerance: f64,
     },
@@ -77,8 +87,6 @@ pub fn solver(method: Method) -> Box<dyn LinearSolver> {
         Method::ConjugateGradient(settings) => Box::new(ConjugateGradient::new(settings)),
         Method::BiCgStab(settings) => Box::new(BiCgStab::new(settings)),
         Method::Gmres(settings) => Box::new(Gmres::new(settings)),
-        Method::Automatic { symmetric, dimension, tolerance } => {
-            Box::new(Automatic::new(symmetric, dimension, tolerance))
-        }
+        Method::Automatic { nature, tolerance } => Box::new(Automatic::new(nature, tolerance)),
     }
 }

@@ -1,13 +1,15 @@
 //! Restarted GMRES (Saad and Schultz 1986), preconditioned from the right, on the equilibrated matrix.
 
-use super::IterativeSettings;
 use super::preconditioning::{Definiteness, Preconditioning};
+use super::{IterativeSettings, Krylov};
 use crate::equilibration::Equilibration;
 use crate::vector::{add_scaled, dot, norm};
 use crate::{BlockMatrix, LinearError, LinearSolver, SolveReport};
 
 /// Directions kept before a restart.
 const RESTART: usize = 100;
+/// A cycle that leaves more than this part of the residual is the last one.
+const STAGNATION: f64 = 0.1;
 
 /// Solver for any regular matrix, saddle points with rows of different units among them.
 ///
@@ -23,8 +25,6 @@ pub struct Gmres {
 
 #[derive(Default)]
 struct Work {
-    load: Vec<f64>,
-    solution: Vec<f64>,
     residual: Vec<f64>,
     preconditioned: Vec<f64>,
     /// Orthonormal directions.
@@ -42,13 +42,32 @@ impl Gmres {
         let scaling = Equilibration::default();
         Self { settings, preconditioning, scaling, scaled: None, work: Work::default() }
     }
+}
 
-    /// One cycle from the residual in `work`; returns the iterations done.
-    fn cycle(&mut self, a: &BlockMatrix, target: f64, maximum: usize) -> usize {
-        let Work { solution, residual, preconditioned, basis, columns, rotations, projected, .. } = &mut self.work;
+impl Krylov for Gmres {
+    fn settings(&self) -> &IterativeSettings {
+        &self.settings
+    }
+
+    fn prepare(&mut self, a: &BlockMatrix) -> Result<(), LinearError> {
+        let Work { residual, preconditioned, .. } = &mut self.work;
+        [residual, preconditioned].into_iter().for_each(|vector| vector.resize(a.pattern.order(), 0.0));
+        self.preconditioning.set_up(a)
+    }
+
+    fn residual(&mut self) -> &mut [f64] {
+        &mut self.work.residual
+    }
+
+    fn gives_up(&self, reduction: f64) -> bool {
+        reduction.is_nan() || reduction > STAGNATION
+    }
+
+    fn cycle(&mut self, a: &BlockMatrix, x: &mut [f64], target: f64, maximum: usize) -> Result<usize, LinearError> {
+        let Work { residual, preconditioned, basis, columns, rotations, projected, .. } = &mut self.work;
         let length = norm(residual);
         if length <= target {
-            return 0;
+            return Ok(0);
         }
         columns.clear();
         rotations.clear();
@@ -98,25 +117,8 @@ impl Gmres {
             add_scaled(residual, factor, direction);
         }
         self.preconditioning.apply(a, residual, preconditioned);
-        add_scaled(solution, 1.0, preconditioned);
-        done
-    }
-
-    /// Solves the scaled system.
-    fn iterate(&mut self, a: &BlockMatrix) -> Result<SolveReport, LinearError> {
-        self.preconditioning.set_up(a)?;
-        let settings = self.settings.clone();
-        let scale = norm(&self.work.load);
-        let mut iterations = 0;
-        a.residual(&self.work.load, &self.work.solution, &mut self.work.residual);
-        loop {
-            let done = self.cycle(a, settings.tolerance * scale, settings.maximum_iterations - iterations);
-            iterations += done;
-            a.residual(&self.work.load, &self.work.solution, &mut self.work.residual);
-            if let Some(result) = settings.judge(norm(&self.work.residual) / scale, iterations, done) {
-                return result;
-            }
-        }
+        add_scaled(x, 1.0, preconditioned);
+        Ok(done)
     }
 }
 
@@ -136,25 +138,14 @@ impl LinearSolver for Gmres {
 
     fn solve(&mut self, a: &BlockMatrix, rhs: &[f64], x: &mut [f64]) -> Result<SolveReport, LinearError> {
         a.check(rhs, x)?;
-        let scale = norm(rhs);
-        self.settings.start(scale, x);
-        if scale == 0.0 {
-            return Ok(SolveReport { iterations: Some(0), ..SolveReport::default() });
-        }
         self.scaling.set_up(a);
         let mut scaled = self.scaled.take().unwrap_or_else(|| a.clone());
         self.scaling.apply(a, &mut scaled);
-        let Work { load, solution, residual, preconditioned, .. } = &mut self.work;
-        [residual, preconditioned].into_iter().for_each(|vector| vector.resize(rhs.len(), 0.0));
-        load.clear();
-        load.extend(rhs.iter().zip(&self.scaling.rows).map(|(value, scale)| value * scale));
-        solution.clear();
-        solution.extend(x.iter().zip(&self.scaling.columns).map(|(value, scale)| value / scale));
-        let result = self.iterate(&scaled);
+        let load: Vec<f64> = rhs.iter().zip(&self.scaling.rows).map(|(value, scale)| value * scale).collect();
+        x.iter_mut().zip(&self.scaling.columns).for_each(|(x, scale)| *x /= scale);
+        let result = self.run(&scaled, &load, x);
+        x.iter_mut().zip(&self.scaling.columns).for_each(|(x, scale)| *x *= scale);
         self.scaled = Some(scaled);
-        for ((x, value), scale) in x.iter_mut().zip(&self.work.solution).zip(&self.scaling.columns) {
-            *x = value * scale;
-        }
         result
     }
 }

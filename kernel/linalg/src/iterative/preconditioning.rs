@@ -3,7 +3,6 @@
 use super::Preconditioner;
 use super::block::{self, Block};
 use super::incomplete::Incomplete;
-use super::saddle::BlockTriangle;
 use crate::matrix::{blocks_of, with_block_size};
 use crate::{BlockMatrix, LinearError};
 use rayon::prelude::*;
@@ -26,18 +25,11 @@ pub struct Preconditioning {
     definiteness: Definiteness,
     inverse_diagonal: Vec<f64>,
     incomplete: Incomplete,
-    triangle: BlockTriangle,
 }
 
 impl Preconditioning {
     pub fn new(kind: Preconditioner, definiteness: Definiteness) -> Self {
-        Self {
-            kind,
-            definiteness,
-            inverse_diagonal: Vec::new(),
-            incomplete: Incomplete::default(),
-            triangle: BlockTriangle::default(),
-        }
+        Self { kind, definiteness, inverse_diagonal: Vec::new(), incomplete: Incomplete::default() }
     }
 
     /// Prepares `M^-1` for `a`.
@@ -51,18 +43,16 @@ impl Preconditioning {
                 self.inverse_diagonal.resize(a.pattern.order() * block, 0.0);
                 with_block_size!(block, invert_diagonal(a, self.definiteness, &mut self.inverse_diagonal))
             }
-            Preconditioner::BlockTriangular => self.triangle.set_up(a),
             kind => self.incomplete.set_up(a, kind, self.definiteness),
         }
     }
 
     /// `z = M^-1 r`.
-    pub fn apply(&mut self, a: &BlockMatrix, r: &[f64], z: &mut [f64]) {
+    pub fn apply(&self, a: &BlockMatrix, r: &[f64], z: &mut [f64]) {
         match self.kind {
             Preconditioner::BlockJacobi => {
                 with_block_size!(a.pattern.block(), apply_diagonal(&self.inverse_diagonal, r, z));
             }
-            Preconditioner::BlockTriangular => self.triangle.apply(r, z),
             _ => self.incomplete.apply(a, r, z),
         }
     }

@@ -179,6 +179,11 @@ impl MixedBox {
         }
     }
 
+    /// What resists a strain of the size of a cell: the scale of pressures.
+    pub fn stiffness(&self) -> f64 {
+        self.shear + self.inertia * self.width().powi(2)
+    }
+
     fn tau(&self) -> f64 {
         let square = self.width().powi(2);
         if self.pressure == Pressure::Stabilised { square / (2.0 * self.shear + self.inertia * square) } else { 0.0 }
