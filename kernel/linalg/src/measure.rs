@@ -1,6 +1,6 @@
-//! Timings on cubes of elastic hexahedra, for the thresholds in `automatic`; run with `--ignored --nocapture`.
+//! Timings on boxes of cells, for the thresholds in `automatic`; run with `--ignored --nocapture`.
 
-use crate::test_systems::{MixedBox, Pressure, elastic_box, vector};
+use crate::test_systems::{MixedBox, elastic_box, vector};
 use crate::{BlockMatrix, BlockPattern, IterativeSettings, LinearSolver, Method, Preconditioner, solver};
 use std::time::Instant;
 
@@ -79,63 +79,26 @@ fn pattern() {
     }
 }
 
+/// Displacement-pressure systems of `CELLS` cells along an edge, in `DIMENSION` dimensions.
 #[test]
 #[ignore = "measures, asserts nothing"]
-fn mixed_direct() {
-    for (dimension, cells) in [(2, 32), (2, 100), (3, 8), (3, 16)] {
-        if numbers("CELLS", &[cells]).iter().all(|&wanted| wanted != cells) {
-            continue;
-        }
-        for pressure in [Pressure::Stabilised, Pressure::Coarse] {
-            for skew in [0.0, 0.1] {
-                let (a, b) = MixedBox { pressure, skew, ..MixedBox::new(dimension, cells) }.system();
-                println!("{dimension}D {cells} cells, {} dofs, {pressure:?}, skew {skew}", b.len());
-                let mut x = vec![0.0; b.len()];
-                for method in [Method::Ldlt, Method::Lu] {
-                    if skew != 0.0 && method == Method::Ldlt {
-                        continue;
-                    }
-                    let mut solver = solver(method);
-                    let first = milliseconds(|| drop(solver.solve(&a, &b, &mut x)));
-                    let mut result = None;
-                    let again = milliseconds(|| result = Some(solver.solve(&a, &b, &mut x)));
-                    println!("  {:<60} {first:9.1} {again:9.1} ms {:?}", solver.name(), result.unwrap());
-                }
-            }
-        }
-    }
-}
-
-#[test]
-#[ignore = "measures, asserts nothing"]
-fn mixed_krylov() {
-    for cells in numbers("CELLS", &[8, 16]) {
-        for bulk in [1.0, 1e3, f64::INFINITY] {
-            for inertia in [0.0, 1.0, 100.0] {
+fn mixed() {
+    for dimension in numbers("DIMENSION", &[2, 3]) {
+        for cells in numbers("CELLS", if dimension == 2 { &[32, 100] } else { &[8, 16] }) {
+            for (bulk, inertia, skew) in [1.0, 1e3, f64::INFINITY]
+                .into_iter()
+                .flat_map(|bulk| [(bulk, 0.0, 0.0), (bulk, 0.0, 0.1), (bulk, 1.0, 0.1)])
+            {
                 // Density over the square of the step, in units of shear modulus over the square of the cell.
                 let inertia = inertia * (cells * cells) as f64;
-                for skew in [0.0, 0.1] {
-                    let (a, b) = MixedBox { bulk, skew, inertia, ..MixedBox::new(3, cells) }.system();
-                    println!("{cells} cells, {} dofs, bulk {bulk}, skew {skew}, inertia {inertia}", b.len());
-                    let mut x = vec![0.0; b.len()];
-                    let mut one = |method: Method| {
-                        let mut solver = solver(method);
-                        drop(solver.solve(&a, &b, &mut x));
-                        let mut result = None;
-                        let again = milliseconds(|| result = Some(solver.solve(&a, &b, &mut x)));
-                        println!(
-                            "  {:<90} {again:9.1} ms {:?}",
-                            solver.name(),
-                            result.unwrap().map(|r| (r.iterations, r.residual, r.backward_error, r.note))
-                        );
-                    };
-                    for preconditioner in [Preconditioner::Incomplete] {
-                        let settings = IterativeSettings { preconditioner, ..IterativeSettings::new(1e-9) };
-                        one(Method::Gmres(settings.clone()));
-                    }
-                    if std::env::var("DIRECT").is_ok() {
-                        one(if skew == 0.0 { Method::Ldlt } else { Method::Lu });
-                    }
+                let (a, b) = MixedBox { bulk, inertia, skew, ..MixedBox::new(dimension, cells) }.system();
+                println!(" {dimension}D, {} unknowns, bulk {bulk}, inertia {inertia}, skew {skew}", b.len());
+                let mut x = vec![0.0; b.len()];
+                let preconditioner = Preconditioner::Incomplete;
+                let settings = IterativeSettings { preconditioner, ..IterativeSettings::new(1e-9) };
+                let direct = if skew == 0.0 { Method::Ldlt } else { Method::Lu };
+                for method in [Method::Gmres(settings), direct] {
+                    report(&mut *solver(method), &a, &b, &mut x);
                 }
             }
         }

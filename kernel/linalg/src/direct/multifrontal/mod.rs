@@ -57,6 +57,8 @@ struct Workspace {
     front: Front,
     row_place: Vec<u32>,
     column_place: Vec<u32>,
+    /// Where the rows of a contribution go.
+    targets: Vec<u32>,
 }
 
 impl Factorisation for Lu {
@@ -113,7 +115,7 @@ impl Factorisation for Lu {
 
 impl Workspace {
     fn new(order: usize) -> Self {
-        Self { front: Front::default(), row_place: vec![0; order], column_place: vec![0; order] }
+        Self { front: Front::default(), row_place: vec![0; order], column_place: vec![0; order], targets: Vec::new() }
     }
 }
 
@@ -159,7 +161,7 @@ impl Assembly<'_> {
         first: usize,
         work: &mut Workspace,
     ) -> Result<(), LinearError> {
-        let Workspace { front, row_place, column_place } = work;
+        let Workspace { front, row_place, column_place, .. } = work;
         let block = self.a.pattern.block() as u32;
         let children = || supernode.children.iter().map(|&child| &before[child as usize - first]);
         let below = || self.tree.rows_of(supernode).iter().flat_map(|&step| step * block..(step + 1) * block);
@@ -186,7 +188,7 @@ impl Assembly<'_> {
     /// Adds the rows and columns of the matrix that belong to the pivots.
     fn add_matrix(&self, supernode: &Supernode, work: &mut Workspace) {
         let (pattern, block) = (&*self.a.pattern, self.a.pattern.block());
-        let Workspace { front, row_place, column_place } = work;
+        let Workspace { front, row_place, column_place, .. } = work;
         let size = front.size();
         let mut add = |entry: usize, row: usize, column: usize| {
             let (i, j) = (self.tree.steps[row] as usize * block, self.tree.steps[column] as usize * block);
@@ -282,16 +284,17 @@ impl Eliminated {
 
     /// Adds the Schur complement to the front of the parent.
     fn contribute(&mut self, work: &mut Workspace) {
-        let Workspace { front, row_place, column_place } = work;
+        let Workspace { front, row_place, column_place, targets } = work;
         let (size, count) = (front.size(), self.rows.len() - self.pivots);
         if count == 0 {
             return;
         }
-        let rows = &self.rows[self.pivots..];
+        targets.clear();
+        targets.extend(self.rows[self.pivots..].iter().map(|&row| row_place[row as usize]));
         for (values, &column) in self.rest.chunks_exact(count).zip(&self.columns[self.pivots..]) {
-            let target = &mut front.values[column_place[column as usize] as usize * size..][..size];
-            for (value, &row) in values.iter().zip(rows) {
-                target[row_place[row as usize] as usize] += value;
+            let column = &mut front.values[column_place[column as usize] as usize * size..][..size];
+            for (value, &target) in values.iter().zip(targets.iter()) {
+                column[target as usize] += value;
             }
         }
         self.rest = Vec::new();
