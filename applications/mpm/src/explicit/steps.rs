@@ -56,7 +56,7 @@ impl Explicit {
             let strained = self.strokes(points, time_step, fields, Strokes { strain: true, ..Strokes::default() });
             self.nodes.velocity = velocity;
             strained?;
-            self.nodes.carrying.clone_from(&self.nodes.velocity);
+            self.nodes.carry();
             self.gather(points, Wanted::Force, time_step);
         }
         self.answer_forces(points, grid, self.gamma() * time_step)?;
@@ -96,7 +96,7 @@ impl Explicit {
         time_step: f64,
     ) -> Result<(), Error> {
         if !(self.updates_stress_first() && self.frame() == Frame::Total) {
-            self.nodes.carrying.clone_from(&self.nodes.velocity);
+            self.nodes.carry();
         }
         if let Transfer::Xpic(projections) = self.settings.transfer {
             self.filter(points, time_step, projections)?;
@@ -176,7 +176,7 @@ impl Explicit {
         }
         let same = self.frame() == Frame::Total;
         if same {
-            self.nodes.carrying.clone_from(&self.nodes.velocity);
+            self.nodes.carry();
         }
         let velocity = std::mem::take(&mut self.nodes.velocity);
         let carrying = std::mem::take(&mut self.nodes.carrying);
