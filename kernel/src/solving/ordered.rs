@@ -5,7 +5,7 @@ use std::ops::Range;
 
 /// Items that each thread computes before they are added: enough to keep threads busy, few enough for
 /// the second-level cache.
-const ITEMS: usize = 16;
+const ITEMS: usize = 6;
 
 /// Computes items `0..count` in parallel, a batch at a time, each into a buffer, and adds the buffers
 /// one after the other while the next batch is computed: sums have the same bits for every number of

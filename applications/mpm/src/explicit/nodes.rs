@@ -158,17 +158,18 @@ impl Nodes {
         let momentum = self.sums.momentum.par_chunks_mut(block * NODES);
         let answers = self.acceleration.par_chunks_mut(block * NODES).zip(self.reaction.par_chunks_mut(block * NODES));
         momentum.zip(answers).enumerate().for_each(|(chunk, (momentum, (acceleration, reaction)))| {
-            let first = chunk * NODES;
-            for i in 0..momentum.len() {
-                let (dof, mass) = (first * block + i, mass[first + i / block]);
+            for (i, &mass) in mass[chunk * NODES..].iter().enumerate().take(momentum.len() / block) {
                 let mass = if mass > least { mass } else { 0.0 };
-                if fixed[dof] {
-                    reaction[i] = mass * acceleration[i] - force[dof];
-                    momentum[i] = mass * imposed[dof];
-                } else {
-                    reaction[i] = 0.0;
-                    acceleration[i] = if mass > 0.0 { force[dof] / mass } else { 0.0 };
-                    momentum[i] += impulse * force[dof];
+                for own in i * block..(i + 1) * block {
+                    let dof = chunk * NODES * block + own;
+                    if fixed[dof] {
+                        reaction[own] = mass * acceleration[own] - force[dof];
+                        momentum[own] = mass * imposed[dof];
+                    } else {
+                        reaction[own] = 0.0;
+                        acceleration[own] = if mass > 0.0 { force[dof] / mass } else { 0.0 };
+                        momentum[own] += impulse * force[dof];
+                    }
                 }
             }
         });
