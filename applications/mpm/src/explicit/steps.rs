@@ -137,6 +137,11 @@ impl Explicit {
 
     /// Changes the velocity of the points, and what else is wanted, by the motion of the grid.
     fn kick(&mut self, points: &mut MaterialPoints, time_step: f64, strokes: Strokes) -> Result<(), Error> {
+        // Stresses that come first have no moment about the places at the end of the step.
+        let carried_first = strokes.drift && self.updates_stress_first();
+        if carried_first {
+            self.displace_nodes(time_step);
+        }
         let acceleration = std::mem::take(&mut self.nodes.acceleration);
         let velocity = std::mem::take(&mut self.nodes.velocity);
         let carrying = std::mem::take(&mut self.nodes.carrying);
@@ -157,7 +162,7 @@ impl Explicit {
         self.nodes.acceleration = acceleration;
         (self.nodes.velocity, self.nodes.carrying) = (velocity, carrying);
         self.nodes.displacement = displacement;
-        if strokes.drift {
+        if strokes.drift && !carried_first {
             self.displace_nodes(time_step);
         }
         kicked
@@ -277,6 +282,7 @@ impl Explicit {
             reach: if total { f64::INFINITY } else { self.faults.reach(self.limits.smallest) },
             compressible: self.settings.compressible,
             moves_by_point: self.settings.moves_by_point,
+            turns_moments: total && self.affine() == Affine::Moments && !self.updates_stress_first(),
         };
         let found = to_points::apply(points, &field, strokes);
         self.records = records;
