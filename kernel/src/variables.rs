@@ -1,6 +1,7 @@
 //! Typed variables and the columns that hold their values, allocated on demand.
 
 use crate::io::json::JsonObject;
+use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// How many numbers a value of a variable has.
@@ -113,6 +114,12 @@ impl Fields {
         self.fixed.get(variable.name).map(Vec::as_slice)
     }
 
+    /// The column of a vector, to be changed, and which components are fixed; either empty if there is none.
+    pub fn vector_and_fixed(&mut self, variable: &Variable) -> (&mut [[f64; 3]], &[[bool; 3]]) {
+        let vector = self.vectors.get_mut(variable.name).map_or(&mut [][..], Vec::as_mut_slice);
+        (vector, self.fixed.get(variable.name).map_or(&[], Vec::as_slice))
+    }
+
     /// Which components are fixed, to be changed.
     pub fn fixed_mut(&mut self, variable: &Variable, count: usize) -> &mut [[bool; 3]] {
         self.fixed.entry(variable.name).or_insert_with(|| vec![[false; 3]; count])
@@ -165,7 +172,8 @@ pub struct Column {
 impl Column {
     /// Zeros for `points` points.
     pub fn new(width: usize, points: usize) -> Self {
-        Self { width, values: vec![0.0; width * points] }
+        // Zeros from the system are pages that fault when first written, in the midst of the first step.
+        Self { width, values: (0..width * points).into_par_iter().with_min_len(4096).map(|_| 0.0).collect() }
     }
 
     /// The same numbers for `points` points.

@@ -1,11 +1,13 @@
 //! What a scene consists of, and its state after a failure.
 
-use crate::active::ActiveCells;
+use crate::active::{ActiveCells, NO_CELL};
 use crate::grid::GRID;
 use crate::points::across;
 use crate::points::fields::{append, total_energies};
 use crate::points::{Block, MaterialPoints, Selection};
 use crate::scene::{Scene, points_of};
+use crate::settings::Frame;
+use crate::space::Space;
 use bia_constitutive::Kinematics;
 use bia_kernel::error::Error;
 use bia_kernel::io::dataset::{CellsOf, Dataset, Field, FieldData};
@@ -61,6 +63,9 @@ impl Scene {
         let is_mixed = self.settings.mixed.is_some();
         let mut warnings = body_warnings(model, points, is_mixed);
         warnings.extend(self.settings.unread());
+        if self.settings.discretisation.frame == Frame::Total {
+            warnings.extend(contact_warning(points, &self.space));
+        }
         for material in &self.materials {
             if !material.properties.tables.is_empty() {
                 let id = material.properties.id;
@@ -82,6 +87,33 @@ impl Scene {
             warnings.push(format!("the volume of the points, {volume}, differs from that of the body mesh, {body}"));
         }
         warnings
+    }
+}
+
+/// Several bodies in the total frame: no point ever leaves its cell, and bodies meet through cells.
+fn contact_warning(points: &MaterialPoints, space: &Space) -> Option<String> {
+    let mut owners = vec![None; space.len()];
+    let mut joined = None;
+    for block in &points.blocks {
+        for &node in block.cell.iter().filter(|cell| **cell != NO_CELL).flat_map(|cell| space.nodes_of(*cell as usize))
+        {
+            let owner = *owners[node as usize].get_or_insert(block.body);
+            if owner != block.body {
+                joined.get_or_insert((owner, block.body));
+            }
+        }
+    }
+    let names = &points.bodies;
+    match joined {
+        Some((a, b)) => Some(format!(
+            "{} and {} share nodes of the grid: in the total frame they stick together for good; updated_lagrangian lets bodies part",
+            names[a], names[b]
+        )),
+        None if names.len() > 1 => {
+            let help = "in the total frame bodies that share no node do not feel each other: updated_lagrangian lets them meet";
+            Some(help.to_owned())
+        }
+        None => None,
     }
 }
 
