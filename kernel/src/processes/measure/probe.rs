@@ -92,13 +92,15 @@ pub fn positions(list: &Parameters) -> Result<Vec<[f64; 3]>, InputErrors> {
 fn build(building: Building, name: &'static str, places: Vec<[f64; 3]>) -> Result<Box<dyn Process>, InputErrors> {
     let quantities = Quantity::read_list(&building.settings, "output_variables", building.registry)?;
     let settings = building.settings.clone();
-    let probe = Probe { name, settings, quantities, places, root: String::new(), shares: Vec::new() };
+    let (shows_places, root) = (name != "point", String::new());
+    let probe = Probe { name, shows_places, settings, quantities, places, root, shares: Vec::new() };
     Ok(Box::new(TableOutput::new(&building, probe)?))
 }
 
 /// Nodal values at places; several of them are rows with their coordinates.
 struct Probe {
     name: &'static str,
+    shows_places: bool,
     settings: Settings,
     quantities: Vec<Quantity>,
     places: Vec<[f64; 3]>,
@@ -181,7 +183,7 @@ impl Measurement for Probe {
 
     fn headings(&mut self, model: &Model) -> Vec<Heading> {
         let mut headings = Vec::new();
-        if self.name != "point" {
+        if self.shows_places {
             headings.extend(["X", "Y", "Z"].map(|axis| Heading::new(axis, "m")));
         }
         if let Some(fields) = self.fields(model) {
@@ -194,7 +196,7 @@ impl Measurement for Probe {
         let Some(fields) = self.fields(model) else { return };
         let mut values = Vec::new();
         for (place, shares) in self.places.iter().zip(&self.shares) {
-            if self.name != "point" {
+            if self.shows_places {
                 rows.extend(place);
             }
             for quantity in &self.quantities {
