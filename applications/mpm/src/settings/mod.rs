@@ -238,7 +238,7 @@ impl SolverSettings {
     /// # Errors
     /// Unknown solver names and keys.
     pub fn linear_method(&self, symmetric: bool) -> Result<Method, InputErrors> {
-        linear::method(self.linear.as_ref(), Nature { symmetric, dimension: self.dimension, saddle: false })
+        linear::method(self.linear.as_ref(), Nature { symmetric, definite: true, dimension: self.dimension })
     }
 
     /// Kinematics of the scene; plane stress is a matter of each law.
