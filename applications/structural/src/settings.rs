@@ -140,7 +140,7 @@ impl SolverSettings {
     /// # Errors
     /// Unknown solver names and keys.
     pub fn linear_method(&self, symmetric: bool) -> Result<Method, InputErrors> {
-        let nature = Nature { symmetric, dimension: self.dimension, saddle: false };
+        let nature = Nature { symmetric, definite: true, dimension: self.dimension };
         linear::method(self.settings.get("linear_solver_settings"), nature)
     }
 }

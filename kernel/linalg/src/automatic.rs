@@ -104,20 +104,20 @@ impl Automatic {
 
     fn chain(&self, iterative: bool) -> Chain {
         let settings = IterativeSettings { maximum_iterations: PATIENCE, ..IterativeSettings::new(self.tolerance) };
-        let Nature { symmetric, saddle, .. } = self.nature;
-        let direct = match (symmetric, saddle) {
-            (true, false) => Chain::symmetric(),
-            (true, true) => Chain::indefinite(),
+        let Nature { symmetric, definite, .. } = self.nature;
+        let direct = match (symmetric, definite) {
+            (true, true) => Chain::symmetric(),
+            (true, false) => Chain::indefinite(),
             (false, _) => Chain::general(),
         };
-        match (iterative, saddle, symmetric) {
+        match (iterative, definite, symmetric) {
             (false, ..) => direct,
-            (true, true, _) => {
+            (true, false, _) => {
                 let preconditioner = Preconditioner::Incomplete;
                 direct.after(Gmres::new(IterativeSettings { preconditioner, ..settings }), false)
             }
-            (true, false, true) => direct.after(ConjugateGradient::new(settings), false),
-            (true, false, false) => direct.after(BiCgStab::new(settings), false),
+            (true, true, true) => direct.after(ConjugateGradient::new(settings), false),
+            (true, true, false) => direct.after(BiCgStab::new(settings), false),
         }
     }
 }
@@ -131,7 +131,7 @@ impl LinearSolver for Automatic {
     }
 
     fn solve(&mut self, a: &BlockMatrix, rhs: &[f64], x: &mut [f64]) -> Result<SolveReport, LinearError> {
-        let from = if self.nature.saddle { MIXED_ITERATIVE_FROM } else { ITERATIVE_FROM };
+        let from = if self.nature.definite { ITERATIVE_FROM } else { MIXED_ITERATIVE_FROM };
         let iterative = self.nature.dimension == 3 && a.pattern.order() >= from;
         let chosen = self.chosen.take().filter(|(kind, _)| *kind == iterative);
         let (_, chain) = self.chosen.insert(chosen.unwrap_or_else(|| (iterative, self.chain(iterative))));
@@ -145,7 +145,7 @@ mod tests {
     use crate::{Method, Nature, solver};
 
     fn automatic(symmetric: bool, dimension: usize) -> Method {
-        Method::Automatic { nature: Nature { symmetric, dimension, saddle: false }, tolerance: 1e-9 }
+        Method::Automatic { nature: Nature { symmetric, definite: true, dimension }, tolerance: 1e-9 }
     }
 
     #[test]

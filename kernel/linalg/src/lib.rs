@@ -2,8 +2,9 @@
 //!
 //! A nodal unknown of `B` components (2 displacements, 3 displacements and a pressure, ...) makes
 //! every coupling a dense `B x B` block, `B` in 1..=4. [`BlockPattern`] holds which nodes are coupled,
-//! [`BlockMatrix`] the values, and [`solver`] builds a [`LinearSolver`] from a [`Method`]. Direct
-//! factorisations come from `faer`, whose types are named in this crate and nowhere else.
+//! [`BlockMatrix`] the values, and [`solver`] builds a [`LinearSolver`] from a [`Method`]. Symmetric
+//! factorisations and the dense kernels of the multifrontal LU come from `faer`, whose types are named in this crate
+//! and nowhere else.
 //!
 //! Results are bit-identical for any number of threads: rows are computed whole by one thread, sums
 //! over vectors follow a fixed order, and factorisations are cut into tasks that do not depend on the threads.

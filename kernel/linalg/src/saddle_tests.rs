@@ -110,7 +110,7 @@ fn the_choice_is_direct_in_two_and_iterative_in_three_dimensions() {
     ] {
         let mixed = MixedBox { skew: if symmetric { 0.0 } else { 0.1 }, ..MixedBox::new(dimension, cells) };
         let (a, load) = mixed.system();
-        let nature = Nature { symmetric, dimension, saddle: true };
+        let nature = Nature { symmetric, definite: false, dimension };
         let mut solver = solver(Method::Automatic { nature, tolerance: 1e-9 });
         let report = solver.solve(&a, &load, &mut vec![0.0; load.len()]).unwrap();
         assert!(solver.name().contains(expected), "{}", solver.name());
@@ -121,7 +121,7 @@ fn the_choice_is_direct_in_two_and_iterative_in_three_dimensions() {
 #[test]
 fn an_iteration_in_vain_is_followed_by_a_factorisation() {
     let mixed = MixedBox { pressure: Pressure::Coarse, skew: 0.1, ..MixedBox::new(3, 10) };
-    let nature = Nature { symmetric: false, dimension: 3, saddle: true };
+    let nature = Nature { symmetric: false, definite: false, dimension: 3 };
     let (error, report) = error_of(Method::Automatic { nature, tolerance: 1e-9 }, &mixed);
     assert!(error < 1e-11 && report.backward_error.unwrap() <= 1e-13);
     let note = report.note.unwrap();

@@ -41,11 +41,11 @@ pub trait LinearSolver: Send {
 pub struct Nature {
     /// The matrix is symmetric.
     pub symmetric: bool,
+    /// The matrix is positive definite at stable states; not that of a saddle point, such as displacements with, last on
+    /// each node, the pressure that constrains them, whose rows have another unit.
+    pub definite: bool,
     /// Dimension of the mesh: direct methods stay cheap much longer in 2 dimensions than in 3.
     pub dimension: usize,
-    /// Displacements and, as the last component of each node, a pressure: the matrix is indefinite and its rows have
-    /// different units.
-    pub saddle: bool,
 }
 
 /// Which linear solver.

@@ -60,9 +60,9 @@ const KRYLOV: &[&str] = &["cg", "bicgstab", "gmres", "sparse_cg", "tfqmr", "defl
 /// # Errors
 /// Unknown names and keys.
 pub fn method(parameters: Option<&Parameters>, nature: Nature) -> Result<Method, InputErrors> {
-    let exact = match (nature.symmetric, nature.saddle) {
-        (true, false) => Method::Symmetric,
-        (true, true) => Method::Ldlt,
+    let exact = match (nature.symmetric, nature.definite) {
+        (true, true) => Method::Symmetric,
+        (true, false) => Method::Ldlt,
         (false, _) => Method::Lu,
     };
     let automatic = |tolerance: f64| Method::Automatic { nature, tolerance };
@@ -78,7 +78,7 @@ pub fn method(parameters: Option<&Parameters>, nature: Nature) -> Result<Method,
     match name.as_str() {
         "automatic" => Ok(automatic(tolerance)),
         multigrid if MULTIGRID.contains(&multigrid) => Ok(automatic(tolerance)),
-        krylov if nature.saddle && KRYLOV.contains(&krylov) => {
+        krylov if !nature.definite && KRYLOV.contains(&krylov) => {
             Ok(Method::Gmres(IterativeSettings { preconditioner: Preconditioner::Incomplete, ..iterative }))
         }
         "cg" | "sparse_cg" | "deflated_cg" if nature.symmetric => Ok(Method::ConjugateGradient(iterative)),
@@ -104,7 +104,7 @@ mod tests {
 
     fn chosen(text: &str, symmetric: bool) -> Result<String, InputErrors> {
         let parameters = Parameters::root(Document::parse(Path::new("p"), text.into())?);
-        let nature = Nature { symmetric, dimension: 2, saddle: false };
+        let nature = Nature { symmetric, definite: true, dimension: 2 };
         method(Some(&parameters), nature).map(|m| format!("{m:?}"))
     }
 
@@ -118,7 +118,7 @@ mod tests {
             (r#"{"solver_type": "amgcl"}"#, false, "Automatic"),
         ] {
             let parameters = Parameters::root(Document::parse(Path::new("p"), text.into()).unwrap());
-            let nature = Nature { symmetric, dimension: 3, saddle: true };
+            let nature = Nature { symmetric, definite: false, dimension: 3 };
             let chosen = format!("{:?}", method(Some(&parameters), nature).unwrap());
             assert!(chosen.starts_with(expected), "{text}: {chosen}");
         }

@@ -241,8 +241,8 @@ impl SolverSettings {
     /// # Errors
     /// Unknown solver names and keys.
     pub fn linear_method(&self, symmetric: bool) -> Result<Method, InputErrors> {
-        let nature = Nature { symmetric, dimension: self.dimension, saddle: self.mixed.is_some() };
-        linear::method(self.linear.as_ref(), nature)
+        let definite = self.mixed.is_none();
+        linear::method(self.linear.as_ref(), Nature { symmetric, definite, dimension: self.dimension })
     }
 
     /// Kinematics of the scene; plane stress is a matter of each law.

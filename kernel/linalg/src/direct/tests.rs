@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 const DIRECT: [Method; 3] = [Method::Cholesky, Method::Ldlt, Method::Lu];
 const AUTOMATIC: Method =
-    Method::Automatic { nature: Nature { symmetric: true, dimension: 2, saddle: false }, tolerance: 1e-9 };
+    Method::Automatic { nature: Nature { symmetric: true, definite: true, dimension: 2 }, tolerance: 1e-9 };
 
 /// Solves for a manufactured solution and returns the greatest error.
 fn error_of(method: Method, a: &BlockMatrix) -> f64 {
