@@ -11,3 +11,4 @@ mod newton;
 mod patch;
 mod settings;
 mod water;
+mod wave;

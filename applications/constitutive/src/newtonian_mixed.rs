@@ -64,6 +64,13 @@ impl ConstitutiveLaw for NewtonianFluidMixed {
         (self.compressibility * density).sqrt().recip()
     }
 
+    /// What the change of volume stores; viscosity stores nothing.
+    fn energy(&self, deformation: &Deformation) -> Option<f64> {
+        let jacobian = volume_ratio(&deformation.gradient).ok()?;
+        let p = deformation.pressure.unwrap_or(0.0);
+        Some(p * (jacobian - 1.0) - self.volumetric.complementary_energy(p, self.compressibility))
+    }
+
     fn is_symmetric(&self) -> bool {
         false
     }

@@ -230,6 +230,7 @@ pub fn save_state(model: &Model, folder: &Path) -> Result<Vec<PathBuf>, Error> {
         ("MP_DISPLACEMENT", used(|block| &block.displacement)),
         ("MP_VELOCITY", used(|block| &block.velocity)),
         ("MP_CAUCHY_STRESS_VECTOR", used(|block| &block.stress)),
+        ("MP_PRESSURE", used(|block| &block.pressure)),
     ] {
         if used {
             let mut values = Vec::new();

@@ -29,7 +29,7 @@ use bia_kernel::solving::solver::{Inventory, Solver};
 use bia_kernel::solving::{ActiveDofs, Criterion, NodalFrames, NonlinearSystem, StepReport, System};
 use element::Rule;
 use kratos_faults::KratosFaults;
-use mixed::{Mixed, relax_fluids};
+use mixed::{Mixed, check_fluids, relax_fluids};
 use motion::Motion;
 use nalgebra::Matrix3;
 use problem::{Inertia, Problem};
@@ -281,6 +281,9 @@ impl Solver for Implicit {
             && self.mixed.as_ref().is_none_or(Mixed::is_symmetric);
         if let Some(points) = points_of(model).filter(|_| conserves_energy) {
             check_energies(points, &self.scene.settings)?;
+        }
+        if let Some(points) = points_of(model) {
+            check_fluids(points, &self.scene.settings)?;
         }
         let linear = solver(self.scene.settings.linear_method(symmetric)?);
         self.linear = Some(self.faults().forgive(linear, symmetric));

@@ -192,7 +192,7 @@ impl SolverSettings {
 
     /// Keys that were given a value of their own but that the chosen method does not read.
     pub fn unread(&self) -> Vec<String> {
-        let (method, keys): (_, &[&str]) = match (self.regime, &self.explicit) {
+        let (method, keys): (_, &'static [&'static str]) = match (self.regime, &self.explicit) {
             (_, Some(_)) => ("an explicit", &["newmark_beta", "damp_factor_m", "max_iteration"]),
             (Regime::Dynamic, None) => ("an implicit", &["stress_update", "compressible", "position_update"]),
             (_, None) => (
@@ -209,6 +209,10 @@ impl SolverSettings {
                 ],
             ),
         };
+        let of_pressures: &'static [&'static str] = match self.mixed {
+            Some(_) => &[],
+            None => &["stabilization", "stabilization_parameters", "volumetric_law"],
+        };
         let default = |key: &str| KEYS.iter().find(|k| k.name == key).map(|k| k.default);
         let is_default = |key: &str| match (default(key), self.settings.get(key)) {
             (Some(bia_kernel::parameters::Default::Json(text)), Some(given)) => {
@@ -216,10 +220,13 @@ impl SolverSettings {
             }
             _ => true,
         };
-        let unread = keys.iter().filter(|key| self.settings.given(key) && !is_default(key));
-        unread
-            .map(|key| self.settings.error(key, format!("{key:?} has no effect in {method} run")).to_string())
-            .collect()
+        let unread = |keys: &'static [&'static str]| {
+            keys.iter().filter(|key| self.settings.given(key) && !is_default(key)).copied()
+        };
+        let tell =
+            |key: &str, place: &str| self.settings.error(key, format!("{key:?} has no effect {place}")).to_string();
+        let of_method = unread(keys).map(|key| tell(key, &format!("in {method} run")));
+        of_method.chain(unread(of_pressures).map(|key| tell(key, "without pressure_dofs"))).collect()
     }
 
     /// When in a step the forces act that move the points, as a share of it: with the deformation at

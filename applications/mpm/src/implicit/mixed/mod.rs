@@ -12,23 +12,24 @@ mod kratos;
 mod osgs;
 mod problem;
 mod projected;
+mod step;
 mod subscales;
+#[cfg(test)]
+mod tests;
 
-use super::Implicit;
 use super::problem::Problem;
-use crate::points::MaterialPoints;
-use crate::settings::{MixedSettings, Regime, Stabilization, Variant};
-use crate::variables::{DISPLACEMENT, PRESSURE, PRESSURE_REACTION};
+use crate::points::{Block, MaterialPoints};
+use crate::settings::{MixedSettings, Regime, SolverSettings, Stabilization, Variant};
+use crate::space::Space;
 use bia_constitutive::Shear;
-use bia_kernel::error::Error;
-use bia_kernel::linalg::LinearSolver;
-use bia_kernel::model::ModelPart;
-use bia_kernel::solving::{ActiveDofs, Field, Newton, NodalFrames, NonlinearSystem, Reference, StepReport, System};
+use bia_kernel::diagnostic::InputErrors;
+use bia_kernel::solving::{ActiveDofs, Field, Reference, System};
 use constants::Constants;
 use element::Terms;
 use gather::PressureSums;
 use osgs::Projection;
 pub use problem::MixedProblem;
+pub use step::relax_fluids;
 
 /// Evaluates an expression with a plane or solid cell as a [`MeshCell`] of `D` dimensions, `N` nodes and
 /// `DOFS` unknowns a node: `with_cell!(space, cell, |basis, D, N, DOFS| expression, else other)`.
@@ -154,7 +155,7 @@ impl Mixed {
     }
 
     /// Numbers the dofs of `cells` and makes the system that couples them.
-    pub fn number(&mut self, space: &crate::space::Space, cells: &[u32], dimension: usize) -> System {
+    pub fn number(&mut self, space: &Space, cells: &[u32], dimension: usize) -> System {
         self.dofs = space.active_dofs(cells, dimension + 1);
         let system = super::system(space, cells, &self.dofs);
         if self.settings.stabilization != Stabilization::Osgs {
@@ -182,7 +183,7 @@ impl Mixed {
 
     /// The step in the unknowns of `base` and the present pressures.
     pub fn problem<'a>(&'a mut self, base: Problem<'a>) -> MixedProblem<'a> {
-        let of_block = |block: &crate::points::Block| {
+        let of_block = |block: &Block| {
             let moduli = block.law.mixed()?;
             Some(Constants::new(block, moduli, &self.settings, self.variant, base.inertia, base.time_step))
         };
@@ -201,119 +202,22 @@ impl Mixed {
     }
 }
 
-impl Implicit {
-    /// Start values of the pressures, and which dofs are held.
-    ///
-    /// A held pressure keeps what stands on its node. The others start from those of the points, but in
-    /// statics from the last solution.
-    pub(super) fn predict_pressures(&mut self, points: &MaterialPoints, grid: &mut ModelPart) {
-        let Some(mixed) = &mut self.mixed else { return };
-        let space = &self.scene.space;
-        mixed.sums.gather(&points.blocks, &self.active, space, &self.dofs);
-        let count = grid.nodes.len();
-        let held = grid.node_fields.fixed(&PRESSURE).map_or(Vec::new(), <[_]>::to_vec);
-        let column = grid.node_fields.scalar_mut(&PRESSURE, count);
-        let is_held = |node: usize| held.get(node).is_some_and(|held| held[0]);
-        let keeps = self.scene.settings.regime == Regime::Static;
-        if !keeps {
-            (0..count).filter(|&node| !is_held(node)).for_each(|node| column[node] = 0.0);
-        }
-        let block = self.dofs.block();
-        let mut pressures = Vec::with_capacity(self.dofs.nodes().len());
-        for (number, &node) in self.dofs.nodes().iter().enumerate() {
-            let node = node as usize;
-            let stays = is_held(node) || keeps;
-            pressures.push(if stays { column[node] } else { mixed.sums.pressure(number) });
-            let fixed = &mut mixed.dofs.fixed_mut()[number * (block + 1)..][..=block];
-            fixed[..block].copy_from_slice(&self.dofs.fixed()[number * block..][..block]);
-            fixed[block] = is_held(node);
-        }
-        mixed.unknowns.join(block, &self.increments, &pressures);
-    }
-
-    /// Solves the step for displacements and pressures.
-    pub(super) fn solve_mixed(
-        &mut self,
-        mixed: &mut Mixed,
-        (points, grid): (&MaterialPoints, &ModelPart),
-        time_step: f64,
-        system: &mut System,
-        linear: &mut dyn LinearSolver,
-    ) -> Result<StepReport, Error> {
-        let newton: &Newton = &self.scene.settings.newton;
-        let slides = grid.node_fields.slides(&DISPLACEMENT);
-        let frames = NodalFrames::new(self.dofs.block(), &mixed.dofs, slides);
-        let mut problem = mixed.problem(self.problem(points, grid, time_step));
-        let report = frames.solve(newton, &mut problem, system, linear);
-        let MixedProblem { base, unknowns, .. } = problem;
-        let (increments, assembled) = (base.increments, base.assembled);
-        mixed.unknowns = unknowns;
-        (self.increments, self.assembled) = (increments, assembled);
-        report
-    }
-
-    /// Writes the pressures to the grid.
-    pub(super) fn write_pressures(&self, grid: &mut ModelPart) {
-        let Some(mixed) = &self.mixed else { return };
-        let count = grid.nodes.len();
-        let column = grid.node_fields.scalar_mut(&PRESSURE, count);
-        for (&node, pressure) in self.dofs.nodes().iter().zip(mixed.pressures()) {
-            column[node as usize] = *pressure;
-        }
-    }
-
-    /// Minus the residuals of displacement at the solution; writes those that hold pressures.
-    pub(super) fn mixed_reactions(
-        &mut self,
-        mixed: &mut Mixed,
-        points: &MaterialPoints,
-        grid: &mut ModelPart,
-        time_step: f64,
-        system: &mut System,
-    ) -> Result<Vec<f64>, Error> {
-        let mut problem = mixed.problem(self.problem(points, grid, time_step));
-        let assembled = problem.assemble(system, false);
-        let unknowns = problem.unknowns;
-        mixed.unknowns = unknowns;
-        assembled?;
-        let block = self.dofs.block();
-        let residuals = system.rhs.chunks_exact(block + 1);
-        if mixed.shows_reaction {
-            let count = grid.nodes.len();
-            let column = grid.node_fields.scalar_mut(&PRESSURE_REACTION, count);
-            column.fill(0.0);
-            let held = mixed.dofs.fixed().chunks_exact(block + 1).map(|fixed| fixed[block]);
-            for ((&node, residuals), _) in
-                self.dofs.nodes().iter().zip(residuals.clone()).zip(held).filter(|(_, held)| *held)
-            {
-                column[node as usize] = -residuals[block];
-            }
-        }
-        Ok(residuals.flat_map(|node| &node[..block]).map(|r| -r).collect())
-    }
-}
-
-/// Lets the volume of fluids follow their pressure: J becomes J(p), without memory of shape.
+/// A fluid without viscosity has pressures that nothing but its inertia can stabilise.
 ///
-/// The constraint sees averages over nodes only, so that J of single points drifts apart; a solid resists
-/// that by its shear stiffness, a fluid does not, and after a change of cells the new averages would ask
-/// for a divergence of (J − 1)/Δt (spec 06 §6).
-pub fn relax_fluids(points: &mut MaterialPoints) {
-    for block in &mut points.blocks {
-        let Some(moduli) = block.law.mixed().filter(|moduli| matches!(moduli.shear, Shear::Viscous(_))) else {
-            continue;
-        };
-        let dimension = block.kinematics.dimension();
-        for point in 0..block.len() {
-            let jacobian = moduli.volumetric.jacobian(moduli.compressibility * block.pressure.row(point)[0]);
-            let stretch = jacobian.powf(1.0 / dimension as f64);
-            let mut gradient = nalgebra::Matrix3::identity();
-            (0..dimension).for_each(|a| gradient[(a, a)] = stretch);
-            crate::points::compress(&gradient, block.gradient.row_mut(point));
-            if block.volume.is_used() {
-                let reference = block.mass.row(point)[0] / block.density;
-                block.volume.set(point, [reference * jacobian]);
-            }
-        }
+/// # Errors
+/// There is one, and the stabilisation does not take inertia.
+pub fn check_fluids(points: &MaterialPoints, settings: &SolverSettings) -> Result<(), InputErrors> {
+    let Some(mixed) = settings.mixed.filter(|mixed| mixed.stabilization != Stabilization::None) else {
+        return Ok(());
+    };
+    let inviscid = |block: &Block| block.law.mixed().is_some_and(|moduli| moduli.shear == Shear::Viscous(0.0));
+    let takes_inertia = settings.regime == Regime::Dynamic
+        && mixed.c_t.is_none_or(|c_t| c_t > 0.0)
+        && mixed.variant != Some(Variant::Kratos);
+    if takes_inertia || !points.blocks.iter().any(inviscid) {
+        return Ok(());
     }
+    let message = "cannot act on a fluid whose DYNAMIC_VISCOSITY is 0";
+    let help = "give it a viscosity, or in dynamics a c_t above 0 with the consistent variant";
+    Err(settings.settings.error("stabilization", message).help(help).into())
 }
