@@ -275,15 +275,21 @@ impl Column {
     }
 }
 
+/// Rows that one thread moves at a time.
+const ROWS: usize = 4096;
+
 /// Rows of a length that the compiler knows are moved without a call each.
 fn reorder_rows<const W: usize>(values: &mut [f64], order: &[u32], scratch: &mut Vec<f64>) {
-    scratch.clear();
-    scratch.extend_from_slice(values);
+    scratch.resize(values.len(), 0.0);
+    let copied = scratch.par_chunks_mut(ROWS * W).zip(values.par_chunks(ROWS * W));
+    copied.for_each(|(to, from)| to.copy_from_slice(from));
     let (rows, old) = (values.as_chunks_mut::<W>().0, scratch.as_chunks::<W>().0);
     assert!(order.len() >= rows.len(), "an order for fewer points than there are");
-    for (row, &from) in rows.iter_mut().zip(order) {
-        *row = old[from as usize];
-    }
+    rows.par_chunks_mut(ROWS).zip(order.par_chunks(ROWS)).for_each(|(rows, order)| {
+        for (row, &from) in rows.iter_mut().zip(order) {
+            *row = old[from as usize];
+        }
+    });
 }
 
 #[cfg(test)]
