@@ -9,8 +9,8 @@ use bia_kernel::registry::Registry;
 use thiserror::Error;
 
 use crate::{
-    ConstitutiveLaw, Fault, Kinematics, Law, Material, MaterialVariable, Options, linear_elastic, neo_hookean,
-    newtonian, nominal_elastic,
+    ConstitutiveLaw, Fault, Kinematics, Law, Material, MaterialVariable, Options, kirchhoff_bar, linear_elastic,
+    neo_hookean, newtonian, nominal_elastic,
 };
 
 /// A law under one name.
@@ -126,6 +126,7 @@ pub fn catalogue() -> Catalogue {
         neo_hookean::entries(),
         newtonian::entries(),
         nominal_elastic::entries(),
+        kirchhoff_bar::entries(),
     ];
     Catalogue { entries: entries.concat() }
 }
