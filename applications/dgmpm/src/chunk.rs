@@ -289,8 +289,7 @@ impl<const D: usize> Chunk<D> {
                     }
                 }
             }
-            let (points, count) = (&self.points.gradient, self.points_per_cell);
-            let mean = weighted(&points[local * count..(local + 1) * count], |s| kind.point_means[s]);
+            let mean = self.mean_gradient(local, kind);
             for (axis, (velocity, gradient)) in changes.iter().enumerate() {
                 let stress = match stress_change(material, &mean, gradient) {
                     Ok(stress) => stress,
@@ -308,6 +307,12 @@ impl<const D: usize> Chunk<D> {
                 }
             }
         }
+    }
+
+    /// Mean displacement gradient of a cell of this kind.
+    pub fn mean_gradient(&self, local: usize, kind: &CellKind<D>) -> Matrix<D> {
+        let count = self.points_per_cell;
+        weighted(&self.points.gradient[local * count..(local + 1) * count], |s| kind.point_means[s])
     }
 
     /// Number of points.

@@ -224,7 +224,10 @@ impl<const D: usize> Engine for Body<D> {
     fn stability(&self) -> Vec<Stability> {
         let of_block = |block: &crate::body::Block| {
             let material = &self.scheme.materials[block.material];
-            let crossings = (block.chunks[0]..block.chunks[1]).map(|chunk| self.scheme.crossing(chunk));
+            let inside = (block.chunks[0]..block.chunks[1]).map(|chunk| self.scheme.crossing(chunk));
+            let faces = (self.scheme.faces.inner()..self.scheme.faces.len())
+                .filter(|&face| material.law.is_some() && self.scheme.material_at(face) == block.material);
+            let crossings = inside.chain(faces.map(|face| self.scheme.boundary_crossing(face)));
             Stability {
                 material: format!("{} ({})", material.id, material.name),
                 points: block.places.len(),
@@ -271,6 +274,7 @@ impl<const D: usize> Engine for Body<D> {
     }
 
     fn start(&mut self, part: &ModelPart) -> Result<(), Failure> {
+        self.boundary.update(part, 0.0, &mut self.scheme.conditions);
         self.scheme.start().map_err(|stop| self.failure(part, &stop))
     }
 

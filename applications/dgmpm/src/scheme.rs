@@ -8,7 +8,7 @@ use crate::exact;
 use crate::faces::{CHUNK, Faces};
 use crate::kind::CellKind;
 use crate::material::Material;
-use crate::matrix::{Matrix, dot};
+use crate::matrix::{Matrix, dot, inverse, minus, times};
 use crate::riemann::{Condition, Interface, RiemannSolver, Trace};
 use crate::stages::{Site, TimeIntegration};
 use rayon::prelude::*;
@@ -16,6 +16,8 @@ use std::collections::HashMap;
 
 /// Faces that a task solves at least.
 const FACES_A_TASK: usize = 512;
+/// Corrections of the deformation at a boundary face.
+const BOUNDARY_ITERATIONS: usize = 3;
 
 /// Choices of the scheme.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -235,6 +237,41 @@ impl<const D: usize> Scheme<D> {
             area * dot(&self.stars[face].traction, &self.stars[face].velocity)
         };
         (self.faces.inner()..self.faces.len()).map(of_face).sum()
+    }
+
+    /// The time (s) in which a wave would cross the cell of a boundary face in the state at the face, which
+    /// a sudden load reaches at once; infinite at small strain. The deformation there has the traction τ*:
+    /// H ← H + A⁻¹ (τ* − Π N) ⊗ N, A = Z²/ρ₀ (Newton's method).
+    pub fn boundary_crossing(&self, face: usize) -> f64 {
+        let slot = self.faces.left[face] as usize;
+        let (cell, side) = (slot / (2 * D), slot % (2 * D));
+        let (chunk, kind) = (&self.chunks[cell / CHUNK], self.kind(cell));
+        let material = &self.materials[kind.material as usize];
+        if material.law.is_none() {
+            return f64::INFINITY;
+        }
+        let (normal, wanted) = (kind.normals[side], self.solve(face).traction);
+        let mut gradient = chunk.mean_gradient(cell % CHUNK, kind);
+        let (mut stress, mut impedance, mut speed) = ([[[0.0; D]; D]], [[[0.0; D]; D]], [0.0]);
+        for _ in 0..=BOUNDARY_ITERATIONS {
+            let answered = material.stresses(&[gradient], &mut stress).is_ok()
+                && material.impedances(&gradient, &[normal], &mut impedance, &mut speed).is_ok();
+            if !answered {
+                return f64::INFINITY;
+            }
+            let inverse = inverse(&impedance[0]);
+            let missing = minus(&wanted, &times(&stress[0], &normal));
+            let change = times(&inverse, &times(&inverse, &missing));
+            for i in 0..D {
+                (0..D).for_each(|a| gradient[i][a] += material.density * change[i] * normal[a]);
+            }
+        }
+        kind.height(side / 2) / speed[0]
+    }
+
+    /// Material of the cell at a boundary face.
+    pub fn material_at(&self, face: usize) -> usize {
+        self.kind(self.faces.left[face] as usize / (2 * D)).material as usize
     }
 
     /// Trace and displacement gradient of a slot.

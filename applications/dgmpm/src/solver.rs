@@ -122,6 +122,13 @@ impl Solver for DiscontinuousGalerkin {
         let Some(part) = model.part(&self.settings.part) else { return Ok(()) };
         let mut points = build(model, part, &self.materials, &self.settings, &self.catalogue)?;
         points.wanted = wanted;
+        // The stable step is asked for before the loop.
+        points.body.start(part).map_err(|failure| {
+            let report = failure.report();
+            InputErrors::from(
+                self.settings.settings.error("material_import_settings", &report.what).help(&report.advice),
+            )
+        })?;
         self.check_limits(&points)?;
         model.extend(points);
         Ok(())
