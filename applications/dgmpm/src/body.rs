@@ -92,6 +92,7 @@ impl<const D: usize> Body<D> {
         let all = cells.iter().enumerate().map(|(element, &cell)| (cell as usize, part.elements.nodes_of(element)));
         let faces = Faces::new(all, S::SHAPE.reference_corners(), D, elements.len() * 2 * D)
             .map_err(|Shared { cell }| three_cells(part, settings, elements[cell]))?;
+        check_axes(&faces, settings, D)?;
         let scheme = Scheme::new(settings.method, materials, kinds.kinds, &kind_lists, faces);
         let transmitting = transmitting(model, part, settings)?;
         let of_cell = |cell: usize| (part.elements.nodes_of(elements[cell] as usize), scheme.kind(cell));
@@ -249,6 +250,17 @@ fn three_cells(part: &ModelPart, settings: &SolverSettings, element: u32) -> Inp
     let id = part.elements.ids[element as usize];
     let message = format!("a face of element {id} belongs to two other elements, too");
     Diagnostic::error(settings.mesh.place(id), message).help("at most two cells share a face").into()
+}
+
+/// Refuses the transverse correction in space where the axes of neighbours do not agree.
+fn check_axes(faces: &Faces, settings: &SolverSettings, dimension: usize) -> Result<(), InputErrors> {
+    let face_of = |slot: u32| slot as usize % (2 * dimension);
+    let agree = faces.left.iter().zip(&faces.right).all(|(&left, &right)| face_of(left) ^ 1 == face_of(right));
+    if agree || dimension < 3 || !settings.method.transverse {
+        return Ok(());
+    }
+    let message = "the transverse correction in space needs cells whose local axes agree with their neighbours'";
+    Err(settings.settings.error("transverse_correction", message).help("leave it out, or use a regular grid").into())
 }
 
 fn transmitting(model: &Model, part: &ModelPart, settings: &SolverSettings) -> Result<Vec<Members>, InputErrors> {

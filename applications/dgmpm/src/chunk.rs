@@ -3,7 +3,7 @@
 use crate::faces::{Faces, RIGHT};
 use crate::kind::{CellKind, FACES, Operator};
 use crate::material::Material;
-use crate::matrix::{Matrix, Vector, minus, times};
+use crate::matrix::{Matrix, Vector, times};
 use crate::riemann::{RiemannSolver, Trace};
 use crate::stages::{Site, Stage};
 use bia_constitutive::LawError;
@@ -101,17 +101,61 @@ pub struct Shared<'a, const D: usize> {
     pub riemann: RiemannSolver,
 }
 
+/// Which states at the faces correct which.
+pub struct Transverse<'a, const D: usize> {
+    /// What the faces see at the start of the step, by slot.
+    pub base: &'a [Trace<D>],
+    /// Share of the step.
+    pub share: f64,
+    /// What corrects.
+    pub by: By<'a, D>,
+}
+
+/// States at the faces that correct those of other axes.
+#[derive(Clone, Copy)]
+pub enum By<'a, const D: usize> {
+    /// All of the other axes'.
+    Others(&'a [Trace<D>]),
+    /// Those of the next axis, or with 1 of the one after it.
+    Next(usize, &'a [Trace<D>]),
+    /// Those of each other axis that were corrected by the third axis: the first where that is the next
+    /// one after the corrected axis's.
+    Corrected([&'a [Trace<D>]; 2]),
+}
+
+impl<'a, const D: usize> Transverse<'a, D> {
+    /// The states at the faces of axis `other` that correct those of `axis`.
+    #[inline(always)]
+    fn states_for(&self, axis: usize, other: usize) -> Option<&'a [Trace<D>]> {
+        match self.by {
+            By::Others(stars) => Some(stars),
+            By::Next(k, stars) => ((axis + 1 + k) % D == other).then_some(stars),
+            By::Corrected(sets) => {
+                let third = 3 - axis - other;
+                Some(sets[usize::from((other + 1) % D != third)])
+            }
+        }
+    }
+}
+
 impl<const D: usize> Shared<'_, D> {
-    /// The states at a cell's faces on its own outward normals.
+    /// The state at a face of a cell on its own outward normal.
+    #[inline(always)]
+    fn star(&self, stars: &[Trace<D>], cell: usize, face: usize) -> Trace<D> {
+        let tagged = self.faces.of_slots[cell * 2 * D + face];
+        let mut star = stars[(tagged & !RIGHT) as usize];
+        if tagged & RIGHT != 0 {
+            star.traction = star.traction.map(|t| -t);
+        }
+        star
+    }
+
+    /// The states at all faces of a cell.
     #[inline(always)]
     fn stars_of(&self, cell: usize) -> [Trace<D>; FACES] {
         let mut out = [Trace::REST; FACES];
         for face in 0..2 * D {
-            let tagged = self.faces.of_slots[cell * 2 * D + face];
-            out[face] = self.stars[(tagged & !RIGHT) as usize];
-            if tagged & RIGHT != 0 {
-                out[face].traction = out[face].traction.map(|t| -t);
-            }
+            out[face] = self.star(self.stars, cell, face);
         }
         out
     }
@@ -261,48 +305,47 @@ impl<const D: usize> Chunk<D> {
         self.impedances = impedances;
     }
 
-    /// Moves what the faces of each axis see by half a step of what enters through the faces of the
-    /// others (corner transport upwind).
-    ///
-    /// Source: LeVeque, Finite Volume Methods for Hyperbolic Problems, ch. 20; Colella, J. Comput. Phys.
-    /// 87 (1990) 171-200.
-    pub fn correct_transversely(&mut self, shared: &Shared<D>, time_step: f64, traces: &mut [Trace<D>]) {
+    /// What the faces of each axis see, moved by a share of what enters through the faces of other axes.
+    pub fn correct_transversely(
+        &mut self,
+        shared: &Shared<D>,
+        transverse: &Transverse<D>,
+        time_step: f64,
+        traces: &mut [Trace<D>],
+    ) {
         for (local, kind) in self.kinds.iter().enumerate() {
             let kind = &shared.kinds[*kind as usize];
             let material = &shared.materials[kind.material as usize];
-            let stars = shared.stars_of(self.first + local);
+            let cell = self.first + local;
+            let base = &transverse.base[cell * 2 * D..(cell + 1) * 2 * D];
             let own = &mut traces[local * 2 * D..(local + 1) * 2 * D];
-            let mut changes = [([0.0; D], [[0.0; D]; D]); D];
-            for (face, star) in stars.iter().enumerate().take(2 * D) {
-                let rate = 0.5 * time_step * kind.areas[face] / kind.volume;
-                let pull = minus(&star.traction, &own[face].traction);
-                let motion = minus(&star.velocity, &own[face].velocity);
-                for (axis, (velocity, gradient)) in changes.iter_mut().enumerate() {
-                    if axis == face / 2 {
-                        continue;
-                    }
-                    for i in 0..D {
-                        velocity[i] += rate / material.density * pull[i];
-                        for a in 0..D {
-                            gradient[i][a] += rate * motion[i] * kind.normals[face][a];
+            let mean = if material.law.is_some() { self.mean_gradient(local, kind) } else { [[0.0; D]; D] };
+            for axis in 0..D {
+                let (mut velocity, mut gradient) = ([0.0; D], [[0.0; D]; D]);
+                for other in (0..D).filter(|&other| other != axis) {
+                    let Some(stars) = transverse.states_for(axis, other) else { continue };
+                    for face in [2 * other, 2 * other + 1] {
+                        let star = shared.star(stars, cell, face);
+                        let rate = transverse.share * time_step * kind.areas[face] / kind.volume;
+                        for i in 0..D {
+                            velocity[i] += rate / material.density * (star.traction[i] - base[face].traction[i]);
+                            let motion = rate * (star.velocity[i] - base[face].velocity[i]);
+                            (0..D).for_each(|a| gradient[i][a] += motion * kind.normals[face][a]);
                         }
                     }
                 }
-            }
-            let mean = self.mean_gradient(local, kind);
-            for (axis, (velocity, gradient)) in changes.iter().enumerate() {
-                let stress = match stress_change(material, &mean, gradient) {
+                let stress = match stress_change(material, &mean, &gradient) {
                     Ok(stress) => stress,
                     Err(reason) => {
-                        self.stop = Some(Stop { cell: self.first + local, gradient: mean, reason: Some(reason) });
+                        self.stop = Some(Stop { cell, gradient: mean, reason: Some(reason) });
                         return;
                     }
                 };
                 for face in [2 * axis, 2 * axis + 1] {
                     let traction = times(&stress, &kind.normals[face]);
                     for i in 0..D {
-                        own[face].velocity[i] += velocity[i];
-                        own[face].traction[i] += traction[i];
+                        own[face].velocity[i] = base[face].velocity[i] + velocity[i];
+                        own[face].traction[i] = base[face].traction[i] + traction[i];
                     }
                 }
             }

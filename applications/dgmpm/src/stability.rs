@@ -84,8 +84,8 @@ const fn unknowns<const D: usize>() -> usize {
 fn wave_vectors<const D: usize>(unknowns: usize) -> Vec<[f64; D]> {
     let steps: i32 = match (D, unknowns) {
         (1, _) => 32,
-        (2, ..=8) => 8,
-        (2, _) | (3, ..=9) => 4,
+        (2, _) => 8,
+        (3, ..=9) => 4,
         _ => 2,
     };
     let mut list = vec![[0.0; D]];
@@ -215,3 +215,6 @@ fn row_sum<const D: usize>(blocks: &Blocks<D>) -> f64 {
     }
     largest
 }
+
+#[cfg(test)]
+mod tests;
