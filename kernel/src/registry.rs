@@ -154,6 +154,11 @@ impl Registry {
         self.body_mesh
     }
 
+    /// How the names of a root part's elements begin unless the input says otherwise.
+    pub fn element_prefix(&self, part: &str) -> &'static str {
+        self.body_mesh.filter(|(root, _)| *root == part).map_or("Element", |(_, prefix)| prefix)
+    }
+
     /// Adds a modeler.
     pub fn modeler(&mut self, entry: ModelerEntry) {
         self.modelers.push(entry);

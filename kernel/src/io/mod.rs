@@ -4,6 +4,7 @@ mod base64;
 pub mod control;
 pub mod dataset;
 pub mod files;
+pub mod gmsh;
 pub mod history;
 pub mod json;
 pub mod mdpa;

@@ -1,6 +1,7 @@
 //! `BodyModeler`: bodies of primitives without a mesh file.
 
 use super::fitted;
+use super::mapping::{MAP, Map};
 use super::mesh::{Cubes, Diagonal, MOST_CELLS, Mesh, bounds, lattice_shape};
 use super::parts::{self, NamedPart};
 use super::placement::Placement;
@@ -35,9 +36,16 @@ const BODY: &[Key] = &[
         "fitted: numbers of cells along the axes of a box, or [around, radial] and along of round ones",
     ),
     Key::optional("shape", Kind::Choice(SHAPES), "shape of the cells, by default quadrilateral or hexahedron"),
+    Key::new(
+        "diagonal",
+        Kind::Choice(&["alternating", "fixed"]),
+        "\"alternating\"",
+        "triangles of boxes and lattices: the diagonal of each square, turned in every other one or not",
+    ),
     Key::optional("element_name", Kind::Text, "registered element, by default that of the application for the shape"),
     Key::optional("rotation", Kind::Any, "degrees about z, or axis and angle; about the primitive's centre"),
     Key::new("translation", Kind::Vector3, "[0.0, 0.0, 0.0]", "motion after the rotation [m]"),
+    MAP,
     Key::new("parts", Kind::List, "[]", "named sides and boxes of the body, with conditions if wanted"),
 ];
 
@@ -60,7 +68,9 @@ struct Bodies {
 struct Body {
     name: String,
     primitive: Primitive,
+    /// Before the map.
     mesh: Mesh,
+    map: Option<Map>,
     element: String,
     parts: Vec<NamedPart>,
 }
@@ -120,11 +130,16 @@ fn read_body(settings: &Settings, name: String, registry: &Registry) -> Result<B
             mesh
         }),
     };
+    let map = errors.absorb(Map::read(settings, dimension)).flatten();
     errors.or(())?;
     let is_lattice = is_grid || matches!(primitive.form, Form::Box(_));
-    let diagonal = if is_lattice { Diagonal::Alternating } else { Diagonal::Shorter };
+    let diagonal = match (is_lattice, settings.text("diagonal")) {
+        (true, "fixed") => Diagonal::Fixed,
+        (true, _) => Diagonal::Alternating,
+        _ => Diagonal::Shorter,
+    };
     match (mesh.and_then(|mesh| mesh.into_shape(shape, diagonal, Cubes::Six)), element, parts) {
-        (Some(mesh), Some(element), Some(parts)) => Ok(Body { name, primitive, mesh, element, parts }),
+        (Some(mesh), Some(element), Some(parts)) => Ok(Body { name, primitive, mesh, map, element, parts }),
         _ => Err(settings.error("shape", "does not fit the body").into()),
     }
 }
@@ -198,7 +213,8 @@ impl Modeler for Bodies {
         let mut root = ModelPart::new(&self.root);
         root.properties.insert(0, Properties::default());
         for body in &self.bodies {
-            let (node, cell) = parts::append(&mut root, &body.mesh, &body.element);
+            let bent = body.map.as_ref().map(|map| map.bend(&body.mesh));
+            let (node, cell) = parts::append(&mut root, bent.as_ref().unwrap_or(&body.mesh), &body.element);
             let mut part = SubModelPart { name: body.name.clone(), ..SubModelPart::default() };
             part.nodes = (node..node + body.mesh.nodes.len() as u32).collect();
             part.elements = (cell..cell + body.mesh.len() as u32).collect();
@@ -210,7 +226,7 @@ impl Modeler for Bodies {
             root.children.push(part);
         }
         errors.or(())?;
-        self.bodies.iter().for_each(Body::report);
+        self.bodies.iter().filter(|body| body.map.is_none()).for_each(Body::report);
         insert(model, root, &self.settings)
     }
 }

@@ -2,7 +2,9 @@
 
 mod body;
 mod fitted;
+mod gmsh;
 mod kratos;
+mod mapping;
 mod mesh;
 mod parts;
 mod placement;
@@ -20,4 +22,5 @@ pub fn register(registry: &mut Registry) {
     kratos::register(registry);
     regular_grid::register(registry);
     body::register(registry);
+    gmsh::register(registry);
 }

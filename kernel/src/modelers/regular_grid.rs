@@ -1,5 +1,6 @@
 //! `RegularGridModeler`: the background grid without a mesh file.
 
+use super::mapping::{MAP, Map};
 use super::mesh::{Cubes, Diagonal, MOST_CELLS, Mesh, lattice_shape};
 use super::parts::{self, NamedPart};
 use super::reading::{AXES, Extent, SHAPES, cell_shape, counts, element_name, insert, places};
@@ -24,6 +25,7 @@ const KEYS: &[Key] = &[
     ),
     Key::new("tetrahedra_per_cube", Kind::Integer { min: 5 }, "6", "tetrahedra: 5 or 6"),
     Key::new("grading", Kind::Vector3, "[1.0, 1.0, 1.0]", "last to first edge along each axis, with divisions only"),
+    MAP,
     Key::new("parts", Kind::List, "[]", "named sides and boxes, with conditions if wanted"),
 ];
 
@@ -44,6 +46,7 @@ struct RegularGrid {
     mesh: Mesh,
     element: String,
     parts: Vec<NamedPart>,
+    map: Option<Map>,
     settings: Settings,
 }
 
@@ -62,9 +65,10 @@ fn read(building: Building) -> Result<RegularGrid, InputErrors> {
     let parts = settings.get("parts").and_then(|list| errors.absorb(parts::read(list, shape, building.registry)));
     let diagonal = if settings.text("diagonal") == "fixed" { Diagonal::Fixed } else { Diagonal::Alternating };
     let cubes = if settings.integer("tetrahedra_per_cube") == 5 { Cubes::Five } else { Cubes::Six };
+    let map = errors.absorb(Map::read(&settings, extent.dimension)).flatten();
     errors.or(())?;
     match (lines.and_then(|lines| Mesh::lattice(&lines).into_shape(shape, diagonal, cubes)), element, parts) {
-        (Some(mesh), Some(element), Some(parts)) => Ok(RegularGrid { mesh, element, parts, settings }),
+        (Some(mesh), Some(element), Some(parts)) => Ok(RegularGrid { mesh, element, parts, map, settings }),
         _ => Err(settings.error("shape", "does not fit the grid").into()),
     }
 }
@@ -128,7 +132,8 @@ impl Modeler for RegularGrid {
     fn setup_geometry(&mut self, model: &mut Model, _: &Registry) -> Result<(), InputErrors> {
         let mut root = ModelPart::new(self.settings.text("model_part_name"));
         root.properties.insert(0, Properties::default());
-        let (first_node, _) = parts::append(&mut root, &self.mesh, &self.element);
+        let bent = self.map.as_ref().map(|map| map.bend(&self.mesh));
+        let (first_node, _) = parts::append(&mut root, bent.as_ref().unwrap_or(&self.mesh), &self.element);
         let mut errors = InputErrors::default();
         for part in &self.parts {
             let made = errors.absorb(part.add(&self.mesh, first_node, &mut root));

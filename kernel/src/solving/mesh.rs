@@ -2,6 +2,7 @@
 
 use crate::diagnostic::{Diagnostic, InputErrors, Place};
 use crate::geometry::check_cells;
+use crate::io::gmsh;
 use crate::io::mdpa::{self, Category};
 use crate::model::{Model, ModelPart};
 use crate::parameters::{Key, Kind, Settings};
@@ -10,8 +11,13 @@ use std::path::{Path, PathBuf};
 
 /// Keys of `model_import_settings` and its like.
 pub const MESH_IMPORT: &[Key] = &[
-    Key::new("input_type", Kind::Choice(&["mdpa", "use_input_model_part"]), "\"mdpa\"", "where the mesh comes from"),
-    Key::new("input_filename", Kind::Text, "\"\"", "mdpa file, with or without .mdpa"),
+    Key::new(
+        "input_type",
+        Kind::Choice(&["mdpa", "gmsh", "use_input_model_part"]),
+        "\"mdpa\"",
+        "where the mesh comes from",
+    ),
+    Key::new("input_filename", Kind::Text, "\"\"", "mdpa file, with or without .mdpa, or msh file"),
 ];
 
 /// Faults of cells that are shown; the rest is counted.
@@ -22,6 +28,8 @@ const SHOWN: usize = 20;
 pub enum MeshSource {
     /// An mdpa file.
     File(PathBuf),
+    /// A msh file of Gmsh.
+    Gmsh(PathBuf),
     /// A modeler has made the part.
     Modeler,
 }
@@ -50,6 +58,9 @@ impl MeshSource {
                 .into());
         }
         let mut file = folder.join(name);
+        if nested.text("input_type") == "gmsh" {
+            return Ok(MeshSource::Gmsh(file));
+        }
         if file.extension().is_none_or(|extension| extension != "mdpa") {
             file.as_mut_os_string().push(".mdpa");
         }
@@ -59,14 +70,18 @@ impl MeshSource {
     /// The file, if it is one.
     pub fn file(&self) -> Option<&Path> {
         match self {
-            MeshSource::File(file) => Some(file),
+            MeshSource::File(file) | MeshSource::Gmsh(file) => Some(file),
             MeshSource::Modeler => None,
         }
     }
 
     /// Where an element of the mesh stands.
     pub fn place(&self, id: u32) -> Place {
-        self.file().map_or_else(Place::default, |file| mdpa::place_of(file, Category::Element, id))
+        match self {
+            MeshSource::File(file) => mdpa::place_of(file, Category::Element, id),
+            MeshSource::Gmsh(file) => Place::file(file),
+            MeshSource::Modeler => Place::default(),
+        }
     }
 
     /// Reads the root part `name` into the model unless a modeler has made it, and checks its cells
@@ -86,6 +101,11 @@ impl MeshSource {
         match self {
             MeshSource::File(file) => {
                 if let Some(part) = errors.absorb(mdpa::read(file, name, registry)) {
+                    model.insert(part);
+                }
+            }
+            MeshSource::Gmsh(file) => {
+                if let Some(part) = errors.absorb(gmsh::read(file, name, registry.element_prefix(name))) {
                     model.insert(part);
                 }
             }

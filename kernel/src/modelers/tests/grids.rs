@@ -1,6 +1,6 @@
 //! Grids: counts, measures, conformity, parts.
 
-use super::{area_vector, check_mesh, close, grid, measure, sum_of_normals};
+use super::{area_vector, body, check_mesh, close, grid, measure, sum_of_normals};
 use serde_json::json;
 
 #[test]
@@ -124,4 +124,31 @@ fn faces_of_solid_grids_point_outward() {
             }
         }
     }
+}
+
+/// Cook's membrane with a margin of cells around it: sides and boxes are those of the unit square.
+#[test]
+fn mapped_grids_and_bodies_lie_on_each_other() {
+    let corners = json!([[0, 0], [48, 44], [48, 60], [0, 44]]);
+    let part = grid(json!({"min": [0, -0.25, 0], "max": [1.25, 1.25, 0], "divisions": [10, 12], "map": corners,
+        "parts": [{"name": "Clamp", "side": "min_x"},
+                  {"name": "Load", "box": {"min": [1, 0, 0], "max": [1, 1, 0]}}]}));
+    check_mesh(&part);
+    let place = |node: u32| part.nodes.coordinates[node as usize];
+    assert!(part.find("Clamp").unwrap().nodes.iter().all(|&node| place(node)[0] == 0.0));
+    let load = &part.find("Load").unwrap().nodes;
+    assert_eq!((load.len(), place(load[0]), place(load[8])), (9, [48.0, 44.0, 0.0], [48.0, 60.0, 0.0]));
+    let unit = json!({"type": "box", "min": [0, 0, 0], "max": [1, 1, 0]});
+    for shape in ["quadrilateral", "triangle"] {
+        let body = body(json!({"primitive": unit, "divisions": [8, 8], "map": corners, "shape": shape,
+                               "diagonal": "fixed"}));
+        check_mesh(&body);
+        close(measure(&body), 1440.0, 1e-13);
+        let at = |x: &[f64; 3]| x.map(|x| (x * 1e9).round() as i64);
+        let of_grid: std::collections::HashSet<_> = part.nodes.coordinates.iter().map(at).collect();
+        assert!(body.nodes.coordinates.iter().all(|x| of_grid.contains(&at(x))));
+    }
+    let cube: Vec<[f64; 3]> = super::super::mesh::corners_of(3).iter().map(|c| c.map(|i| 2.0 * i as f64)).collect();
+    let part = grid(json!({"min": [0, 0, 0], "max": [1, 1, 1], "divisions": [2, 2, 2], "map": cube}));
+    close(measure(&part), 8.0, 1e-15);
 }

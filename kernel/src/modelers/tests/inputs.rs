@@ -61,6 +61,7 @@ fn faults_of_single_keys() {
     expect(&square(json!({"divisions": [4, 4], "grading": [0, 1, 1]})), &["three numbers above 0"]);
     expect(&square(json!({"divisions": [4, 4], "element_name": "Elment2D4N"})), &["did you mean \"Element2D4N\""]);
     expect(&square(json!({"divisions": [4, 4], "tetrahedra_per_cube": 7})), &["must be 5 or 6"]);
+    expect(&square(json!({"divisions": [4, 4], "map": [[0, 0], [1, "a"], [1, 1]]})), &["is [1,\"a\"]", "must have 4"]);
     expect(
         &square(json!({"divisions": [4, 4], "parts": [{"name": "A", "box": {"min": [2, 0, 0], "max": [3, 1, 0]}}]})),
         &["holds no node", "[1.0,1.0,0.0]"],

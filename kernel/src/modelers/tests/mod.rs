@@ -62,6 +62,9 @@ fn build(modelers: Value) -> Result<Model, InputErrors> {
     for modeler in &mut made {
         modeler.setup_geometry(&mut model, &registry)?;
     }
+    for modeler in &mut made {
+        modeler.setup_model_part(&mut model, &registry)?;
+    }
     Ok(model)
 }
 
@@ -193,4 +196,22 @@ fn boundaries_of_all_shapes_are_seen_from_outside() {
         let faces = mesh.boundary(|_| true);
         assert_eq!(faces.len(), [2, 8, 24][dimension - 1]);
     }
+}
+
+/// A plate that Gmsh wrote, with loads on its floor.
+#[test]
+fn meshes_of_gmsh_become_elements_and_conditions() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/gmsh/plate_4.1_binary.msh");
+    let model = build(json!([
+        {"name": "ImportGmshModeler", "parameters": {"input_filename": file, "model_part_name": "Background_Grid"}},
+        {"name": "CreateEntitiesFromGeometriesModeler", "parameters": {"conditions_list": [
+            {"model_part_name": "Background_Grid.Floor of plate", "condition_name": "Line"}]}}]));
+    let model = model.unwrap();
+    let part = model.part("Background_Grid").unwrap();
+    assert_eq!(part.find("Floor of plate").unwrap().conditions.len(), 11);
+    assert_eq!(part.elements.names, ["Element2D3N", "Element2D4N"]);
+    assert_eq!(part.paths(), ["Corner", "Floor of plate", "Holed", "Whole", "Both"]);
+    let missing = build(json!([{"name": "ImportGmshModeler", "parameters": {"input_filename": "no.msh",
+        "model_part_name": "Background_Grid"}}]));
+    assert!(missing.err().unwrap().to_string().contains("no.msh: the mesh file cannot be read"));
 }
