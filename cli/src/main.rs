@@ -68,6 +68,8 @@ fn registry() -> Registry {
     bia_mpm::register(&mut registry);
     #[cfg(feature = "structural")]
     bia_structural::register(&mut registry);
+    #[cfg(feature = "dgmpm")]
+    bia_dgmpm::register(&mut registry);
     registry
 }
 

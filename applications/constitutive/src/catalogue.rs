@@ -9,8 +9,8 @@ use bia_kernel::registry::{Description, Kinds, Registry};
 use thiserror::Error;
 
 use crate::{
-    ConstitutiveLaw, Fault, Kinematics, Law, Material, MaterialVariable, Options, linear_elastic, neo_hookean,
-    neo_hookean_mixed, newtonian, newtonian_mixed, nominal_elastic,
+    ConstitutiveLaw, Fault, Kinematics, Law, Material, MaterialVariable, Options, kirchhoff_bar, linear_elastic,
+    neo_hookean, neo_hookean_mixed, newtonian, newtonian_mixed, nominal_elastic,
 };
 
 /// A law under one name.
@@ -132,6 +132,7 @@ pub fn catalogue() -> Catalogue {
         newtonian::entries(),
         newtonian_mixed::entries(),
         nominal_elastic::entries(),
+        kirchhoff_bar::entries(),
     ];
     Catalogue { entries: entries.concat() }
 }

@@ -13,6 +13,7 @@ mod catalogue;
 mod error;
 mod hypoelastic;
 mod kinematics;
+mod kirchhoff_bar;
 mod law;
 mod linear_elastic;
 mod material;
@@ -31,6 +32,7 @@ pub use catalogue::{Build, Catalogue, DuplicateLaw, LawEntry, MaterialPlaces, ca
 pub use error::LawError;
 pub use hypoelastic::Hypoelastic;
 pub use kinematics::Kinematics;
+pub use kirchhoff_bar::KirchhoffBar;
 use law::mixed_pressure;
 pub use law::{ConstitutiveLaw, Deformation, Group, Law, Response, Want};
 pub use linear_elastic::{LinearElastic, LinearElasticPlaneStress};

@@ -113,5 +113,9 @@ pub(crate) fn entries() -> Vec<LawEntry> {
             .explicit::<Hypoelastic<false>>(),
         LawEntry::of::<LinearElasticPlaneStress>("LinearElasticIsotropicPlaneStress2DLaw", &[PlaneStress])
             .explicit::<Hypoelastic<true>>(),
+        // Kratos's names of the law itself, which explicit solvers do not replace.
+        LawEntry::of::<LinearElastic>("KirchhoffSaintVenant3DLaw", &[ThreeDimensional, UniaxialStrain]),
+        LawEntry::of::<LinearElastic>("KirchhoffSaintVenantPlaneStrain2DLaw", &[PlaneStrain]),
+        LawEntry::of::<LinearElasticPlaneStress>("KirchhoffSaintVenantPlaneStress2DLaw", &[PlaneStress]),
     ]
 }

@@ -1,0 +1,492 @@
+//! A chunk of cells with all that stands at their points and nodes, and the work on it.
+
+use crate::faces::{Faces, RIGHT};
+use crate::kind::{CellKind, FACES, Operator};
+use crate::material::Material;
+use crate::matrix::{Matrix, Vector, times};
+use crate::riemann::{RiemannSolver, Trace};
+use crate::stages::{Site, Stage};
+use bia_constitutive::LawError;
+
+/// Values at points or nodes, cell after cell.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Values<const D: usize> {
+    /// Velocities (m/s).
+    pub velocity: Vec<Vector<D>>,
+    /// Displacement gradients H = F − 1, which keep the digits of small strain.
+    pub gradient: Vec<Matrix<D>>,
+    /// First Piola–Kirchhoff stress (Pa).
+    pub stress: Vec<Matrix<D>>,
+}
+
+impl<const D: usize> Values<D> {
+    /// Zeros at so many places.
+    pub fn new(count: usize) -> Self {
+        Self {
+            velocity: vec![[0.0; D]; count],
+            gradient: vec![[[0.0; D]; D]; count],
+            stress: vec![[[0.0; D]; D]; count],
+        }
+    }
+
+    fn of(&self, first: usize, count: usize) -> Slices<'_, D> {
+        let range = first..first + count;
+        Slices {
+            velocity: &self.velocity[range.clone()],
+            gradient: &self.gradient[range.clone()],
+            stress: &self.stress[range],
+        }
+    }
+}
+
+/// Values of one cell.
+#[derive(Clone, Copy)]
+struct Slices<'a, const D: usize> {
+    velocity: &'a [Vector<D>],
+    gradient: &'a [Matrix<D>],
+    stress: &'a [Matrix<D>],
+}
+
+/// Why a cell cannot go on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stop<const D: usize> {
+    /// Index of the cell.
+    pub cell: usize,
+    /// Displacement gradient there.
+    pub gradient: Matrix<D>,
+    /// The law's reason; none where waves have no speed.
+    pub reason: Option<LawError>,
+}
+
+/// A chunk of cells of one material and one number of points a cell.
+#[derive(Debug, Clone, Default)]
+pub struct Chunk<const D: usize> {
+    /// Index of the first cell.
+    pub first: usize,
+    /// Kind of each cell.
+    pub kinds: Vec<u32>,
+    /// Points of a cell.
+    pub points_per_cell: usize,
+    /// Values at the points.
+    pub points: Values<D>,
+    /// Values at the cells' own nodes, between the stages; empty if there is one stage.
+    pub nodes: Values<D>,
+    /// Displacements of the points (m).
+    pub displacement: Vec<Vector<D>>,
+    /// Body forces per mass at the points (m/s²); empty for none.
+    pub body: Vec<Vector<D>>,
+    /// Impedance of each slot at finite strain; else empty.
+    pub impedances: Vec<Matrix<D>>,
+    /// Displacement gradient at each slot, for the exact Riemann solver; else empty.
+    pub traced_gradients: Vec<Matrix<D>>,
+    /// Smallest time that a wave needs from face to face (s).
+    pub crossing: f64,
+    /// The first cell that stopped.
+    pub stop: Option<Stop<D>>,
+    /// New values of one cell.
+    pub scratch: (Vec<Vector<D>>, Vec<Matrix<D>>),
+}
+
+/// What the work on chunks reads.
+pub struct Shared<'a, const D: usize> {
+    /// Kinds of cells.
+    pub kinds: &'a [CellKind<D>],
+    /// Materials.
+    pub materials: &'a [Material],
+    /// Faces.
+    pub faces: &'a Faces,
+    /// States at the faces.
+    pub stars: &'a [Trace<D>],
+    /// Riemann solver.
+    pub riemann: RiemannSolver,
+}
+
+/// Which states at the faces correct which.
+pub struct Transverse<'a, const D: usize> {
+    /// What the faces see at the start of the step, by slot.
+    pub base: &'a [Trace<D>],
+    /// Share of the step.
+    pub share: f64,
+    /// What corrects.
+    pub by: By<'a, D>,
+}
+
+/// States at the faces that correct those of other axes.
+#[derive(Clone, Copy)]
+pub enum By<'a, const D: usize> {
+    /// All of the other axes'.
+    Others(&'a [Trace<D>]),
+    /// Those of the next axis, or with 1 of the one after it.
+    Next(usize, &'a [Trace<D>]),
+    /// Those of each other axis that were corrected by the third axis: the first where that is the next
+    /// one after the corrected axis's.
+    Corrected([&'a [Trace<D>]; 2]),
+}
+
+impl<'a, const D: usize> Transverse<'a, D> {
+    /// The states at the faces of axis `other` that correct those of `axis`.
+    #[inline(always)]
+    fn states_for(&self, axis: usize, other: usize) -> Option<&'a [Trace<D>]> {
+        match self.by {
+            By::Others(stars) => Some(stars),
+            By::Next(k, stars) => ((axis + 1 + k) % D == other).then_some(stars),
+            By::Corrected(sets) => {
+                let third = 3 - axis - other;
+                Some(sets[usize::from((other + 1) % D != third)])
+            }
+        }
+    }
+}
+
+impl<const D: usize> Shared<'_, D> {
+    /// The state at a face of a cell on its own outward normal.
+    #[inline(always)]
+    fn star(&self, stars: &[Trace<D>], cell: usize, face: usize) -> Trace<D> {
+        let tagged = self.faces.of_slots[cell * 2 * D + face];
+        let mut star = stars[(tagged & !RIGHT) as usize];
+        if tagged & RIGHT != 0 {
+            star.traction = star.traction.map(|t| -t);
+        }
+        star
+    }
+
+    /// The states at all faces of a cell.
+    #[inline(always)]
+    fn stars_of(&self, cell: usize) -> [Trace<D>; FACES] {
+        let mut out = [Trace::REST; FACES];
+        for face in 0..2 * D {
+            out[face] = self.star(self.stars, cell, face);
+        }
+        out
+    }
+}
+
+impl<const D: usize> Chunk<D> {
+    fn values(&self, site: Site) -> (&Values<D>, usize) {
+        match site {
+            Site::Points => (&self.points, self.points_per_cell),
+            Site::Nodes => (&self.nodes, 1 << D),
+        }
+    }
+
+    fn put(&mut self, site: Site, values: Values<D>) {
+        match site {
+            Site::Points => self.points = values,
+            Site::Nodes => self.nodes = values,
+        }
+    }
+
+    /// A stage of a step of `time_step` seconds: new values, their stress, and what the faces see.
+    pub fn advance(
+        &mut self,
+        shared: &Shared<D>,
+        index: usize,
+        stage: &Stage,
+        time_step: f64,
+        traces: &mut [Trace<D>],
+    ) {
+        let step = stage.step * time_step;
+        let mut new = std::mem::take(&mut self.scratch);
+        for local in 0..self.kinds.len() {
+            let kind = &shared.kinds[self.kinds[local] as usize];
+            let density = shared.materials[kind.material as usize].density;
+            let stars = shared.stars_of(self.first + local);
+            let operator = &kind.operators[index];
+            let (source, count) = self.values(stage.from);
+            let source = source.of(local * count, count);
+            let start = self.points.of(local * self.points_per_cell, self.points_per_cell);
+            let body = match self.body.is_empty() {
+                true => &[][..],
+                false => &self.body[local * self.points_per_cell..(local + 1) * self.points_per_cell],
+            };
+            new.0.clear();
+            new.1.clear();
+            for target in 0..operator.targets {
+                let (velocity, gradient) =
+                    advance_target(target, operator, kind, density, [&source, &start], &stars, body, step);
+                new.0.push(velocity);
+                new.1.push(gradient);
+            }
+            self.store(stage.to, local, time_step, &new);
+        }
+        self.scratch = new;
+        self.answer(shared, stage.to, traces);
+    }
+
+    /// Keeps the new values of a cell; its points move by the mean of their old and new velocity.
+    #[inline(always)]
+    fn store(&mut self, site: Site, local: usize, time_step: f64, new: &(Vec<Vector<D>>, Vec<Matrix<D>>)) {
+        let count = new.0.len();
+        let range = local * count..(local + 1) * count;
+        if site == Site::Points {
+            let moved = self.displacement[range.clone()].iter_mut().zip(&self.points.velocity[range.clone()]);
+            for ((displacement, old), new) in moved.zip(&new.0) {
+                for i in 0..D {
+                    displacement[i] += 0.5 * time_step * (old[i] + new[i]);
+                }
+            }
+        }
+        let values = if site == Site::Points { &mut self.points } else { &mut self.nodes };
+        values.velocity[range.clone()].copy_from_slice(&new.0);
+        values.gradient[range].copy_from_slice(&new.1);
+    }
+
+    /// Stresses of the values at a site, and what the faces see of them.
+    pub fn answer(&mut self, shared: &Shared<D>, site: Site, traces: &mut [Trace<D>]) {
+        self.stop = None;
+        self.crossing = f64::INFINITY;
+        let Some(kind) = self.kinds.first() else { return };
+        let material = &shared.materials[shared.kinds[*kind as usize].material as usize];
+        let mut values = std::mem::take(if site == Site::Points { &mut self.points } else { &mut self.nodes });
+        let answered = material.stresses(&values.gradient, &mut values.stress);
+        if let Err((place, reason)) = answered {
+            let count = values.velocity.len() / self.kinds.len();
+            let gradient = values.gradient[place];
+            self.stop = Some(Stop { cell: self.first + place / count, gradient, reason: Some(reason) });
+        }
+        self.put(site, values);
+        self.trace(shared, site, traces);
+        if self.stop.is_none() && material.law.is_some() {
+            self.find_impedances(shared, material, site);
+        }
+    }
+
+    fn trace(&mut self, shared: &Shared<D>, site: Site, traces: &mut [Trace<D>]) {
+        let mut gradients = std::mem::take(&mut self.traced_gradients);
+        let (values, count) = self.values(site);
+        for (local, kind) in self.kinds.iter().enumerate() {
+            let kind = &shared.kinds[*kind as usize];
+            let factors = if site == Site::Points { &kind.point_traces } else { &kind.node_traces };
+            let cell = values.of(local * count, count);
+            for face in 0..2 * D {
+                let (mut velocity, mut stress) = ([0.0; D], [[0.0; D]; D]);
+                for s in 0..count {
+                    let factor = factors[s][face];
+                    for i in 0..D {
+                        velocity[i] += factor * cell.velocity[s][i];
+                        for a in 0..D {
+                            stress[i][a] += factor * cell.stress[s][i][a];
+                        }
+                    }
+                }
+                let slot = local * 2 * D + face;
+                traces[slot] = Trace { velocity, traction: times(&stress, &kind.normals[face]) };
+                if let Some(to) = gradients.get_mut(slot) {
+                    *to = weighted(cell.gradient, |s| factors[s][face]);
+                }
+            }
+        }
+        self.traced_gradients = gradients;
+    }
+
+    /// Impedances of all slots from the mean deformation of each cell.
+    fn find_impedances(&mut self, shared: &Shared<D>, material: &Material, site: Site) {
+        let mut impedances = std::mem::take(&mut self.impedances);
+        for (local, kind) in self.kinds.iter().enumerate() {
+            let kind = &shared.kinds[*kind as usize];
+            let (values, count) = self.values(site);
+            let shares = if site == Site::Points { &kind.point_means } else { &kind.node_means };
+            let mean = weighted(&values.gradient[local * count..(local + 1) * count], |s| shares[s]);
+            let slots = &mut impedances[local * 2 * D..(local + 1) * 2 * D];
+            let mut speeds = [0.0; FACES];
+            if let Err(reason) = cell_impedances(kind, material, &mean, slots, &mut speeds) {
+                self.stop = Some(Stop { cell: self.first + local, gradient: mean, reason });
+                break;
+            }
+            for axis in 0..D {
+                let speed = speeds[2 * axis].max(speeds[2 * axis + 1]);
+                self.crossing = self.crossing.min(kind.height(axis) / speed);
+            }
+            if shared.riemann == RiemannSolver::Hll {
+                let fastest = speeds.iter().fold(0.0_f64, |most, &speed| most.max(speed));
+                slots.iter_mut().for_each(|slot| *slot = uniform(material.density * fastest));
+            }
+        }
+        self.impedances = impedances;
+    }
+
+    /// What the faces of each axis see, moved by a share of what enters through the faces of other axes.
+    pub fn correct_transversely(
+        &mut self,
+        shared: &Shared<D>,
+        transverse: &Transverse<D>,
+        time_step: f64,
+        traces: &mut [Trace<D>],
+    ) {
+        for (local, kind) in self.kinds.iter().enumerate() {
+            let kind = &shared.kinds[*kind as usize];
+            let material = &shared.materials[kind.material as usize];
+            let cell = self.first + local;
+            let base = &transverse.base[cell * 2 * D..(cell + 1) * 2 * D];
+            let own = &mut traces[local * 2 * D..(local + 1) * 2 * D];
+            let mean = if material.law.is_some() { self.mean_gradient(local, kind) } else { [[0.0; D]; D] };
+            for axis in 0..D {
+                let (mut velocity, mut gradient) = ([0.0; D], [[0.0; D]; D]);
+                for other in (0..D).filter(|&other| other != axis) {
+                    let Some(stars) = transverse.states_for(axis, other) else { continue };
+                    for face in [2 * other, 2 * other + 1] {
+                        let star = shared.star(stars, cell, face);
+                        let rate = transverse.share * time_step * kind.areas[face] / kind.volume;
+                        for i in 0..D {
+                            velocity[i] += rate / material.density * (star.traction[i] - base[face].traction[i]);
+                            let motion = rate * (star.velocity[i] - base[face].velocity[i]);
+                            (0..D).for_each(|a| gradient[i][a] += motion * kind.normals[face][a]);
+                        }
+                    }
+                }
+                let stress = match stress_change(material, &mean, &gradient) {
+                    Ok(stress) => stress,
+                    Err(reason) => {
+                        self.stop = Some(Stop { cell, gradient: mean, reason: Some(reason) });
+                        return;
+                    }
+                };
+                for face in [2 * axis, 2 * axis + 1] {
+                    let traction = times(&stress, &kind.normals[face]);
+                    for i in 0..D {
+                        own[face].velocity[i] = base[face].velocity[i] + velocity[i];
+                        own[face].traction[i] = base[face].traction[i] + traction[i];
+                    }
+                }
+            }
+        }
+    }
+
+    /// Mean displacement gradient of a cell of this kind.
+    pub fn mean_gradient(&self, local: usize, kind: &CellKind<D>) -> Matrix<D> {
+        let count = self.points_per_cell;
+        weighted(&self.points.gradient[local * count..(local + 1) * count], |s| kind.point_means[s])
+    }
+
+    /// Number of points.
+    pub fn len(&self) -> usize {
+        self.points.velocity.len()
+    }
+}
+
+/// `value` 1.
+pub fn uniform<const D: usize>(value: f64) -> Matrix<D> {
+    let mut matrix = [[0.0; D]; D];
+    (0..D).for_each(|i| matrix[i][i] = value);
+    matrix
+}
+
+fn weighted<const D: usize>(values: &[Matrix<D>], weight: impl Fn(usize) -> f64) -> Matrix<D> {
+    let mut sum = [[0.0; D]; D];
+    for (s, value) in values.iter().enumerate() {
+        let factor = weight(s);
+        for i in 0..D {
+            for a in 0..D {
+                sum[i][a] += factor * value[i][a];
+            }
+        }
+    }
+    sum
+}
+
+/// Impedances of a cell's slots and the speeds along their normals; opposite faces share them where they
+/// are parallel.
+fn cell_impedances<const D: usize>(
+    kind: &CellKind<D>,
+    material: &Material,
+    mean: &Matrix<D>,
+    slots: &mut [Matrix<D>],
+    speeds: &mut [f64; FACES],
+) -> Result<(), Option<LawError>> {
+    if !kind.is_parallel {
+        return material.impedances(mean, &kind.normals[..2 * D], slots, &mut speeds[..2 * D]);
+    }
+    let (mut normals, mut impedances, mut along) = ([[0.0; D]; D], [[[0.0; D]; D]; D], [0.0; D]);
+    (0..D).for_each(|axis| normals[axis] = kind.normals[2 * axis + 1]);
+    material.impedances(mean, &normals, &mut impedances, &mut along)?;
+    for face in 0..2 * D {
+        (slots[face], speeds[face]) = (impedances[face / 2], along[face / 2]);
+    }
+    Ok(())
+}
+
+/// Change of the stress by a small change of the displacement gradient.
+fn stress_change<const D: usize>(
+    material: &Material,
+    gradient: &Matrix<D>,
+    change: &Matrix<D>,
+) -> Result<Matrix<D>, LawError> {
+    if material.law.is_none() {
+        return Ok(material.hooke.stress(change));
+    }
+    let (mut both, mut stresses) = ([*gradient; 2], [[[0.0; D]; D]; 2]);
+    for i in 0..D {
+        for a in 0..D {
+            both[1][i][a] += change[i][a];
+        }
+    }
+    material.stresses(&both, &mut stresses).map_err(|(_, error)| error)?;
+    let [before, mut after] = stresses;
+    for i in 0..D {
+        for a in 0..D {
+            after[i][a] -= before[i][a];
+        }
+    }
+    Ok(after)
+}
+
+/// New velocity and displacement gradient at a target.
+#[inline(always)]
+#[allow(clippy::too_many_arguments)] // one inner loop, which must see all of them
+fn advance_target<const D: usize>(
+    target: usize,
+    operator: &Operator<D>,
+    kind: &CellKind<D>,
+    density: f64,
+    [source, start]: [&Slices<D>; 2],
+    stars: &[Trace<D>; FACES],
+    body: &[Vector<D>],
+    step: f64,
+) -> (Vector<D>, Matrix<D>) {
+    let (mut velocity, mut gradient) = ([0.0; D], [[0.0; D]; D]);
+    let mut add = |factors: &[f64], values: &Slices<D>| {
+        for (s, factor) in factors.iter().enumerate() {
+            for i in 0..D {
+                velocity[i] += factor * values.velocity[s][i];
+                for a in 0..D {
+                    gradient[i][a] += factor * values.gradient[s][i][a];
+                }
+            }
+        }
+    };
+    if !operator.base.is_empty() {
+        let points = operator.base.len() / operator.targets;
+        add(&operator.base[target * points..(target + 1) * points], start);
+    }
+    if !operator.keep.is_empty() {
+        add(&operator.keep[target * operator.sources..(target + 1) * operator.sources], source);
+    }
+    if !operator.volume.is_empty() {
+        let factors = &operator.volume[target * operator.sources..(target + 1) * operator.sources];
+        for (s, factor) in factors.iter().enumerate() {
+            for i in 0..D {
+                for a in 0..D {
+                    velocity[i] -= step * factor[a] * source.stress[s][i][a];
+                    gradient[i][a] -= step * density * factor[a] * source.velocity[s][i];
+                }
+            }
+        }
+    }
+    for (face, star) in stars.iter().enumerate().take(2 * D) {
+        let factor = step * operator.faces[target][face];
+        for i in 0..D {
+            velocity[i] += factor * star.traction[i];
+            let pushed = factor * density * star.velocity[i];
+            for a in 0..D {
+                gradient[i][a] += pushed * kind.normals[face][a];
+            }
+        }
+    }
+    for (p, force) in body.iter().enumerate() {
+        let factor = step * operator.body[target * body.len() + p];
+        for i in 0..D {
+            velocity[i] += factor * force[i];
+        }
+    }
+    (velocity, gradient)
+}
