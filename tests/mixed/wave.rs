@@ -1,6 +1,7 @@
 //! A standing shear wave of finite amplitude in an incompressible neo-Hookean solid, an exact solution:
 //! u = A sin(kY) sin(ωt) along x with ω = k √(μ/ρ), of constant volume, needs no force where p = μ γ²/3,
 //! γ = A k cos(kY) sin(ωt). The grid is not reset, so that points stay where they integrate best.
+//! Bossak's scheme, as Newmark's leaves pressures that alternate from step to step.
 
 use super::common::{Cell, Mesh, Scene, fix, material, orders, process};
 use serde_json::json;
@@ -20,7 +21,7 @@ fn errors(cell: Cell, stabilization: &str, count: usize) -> [f64; 2] {
     let swing = format!("{AMPLITUDE}*{FRAC_PI_2}*sin({FRAC_PI_2}*y)");
     let velocity = json!({"model_part_name": "MPM_Material", "value": [swing, 0.0, 0.0]});
     let solver = json!({"pressure_dofs": true, "stabilization": stabilization, "grid_reset": "never",
-        "solver_type": "dynamic", "scheme_type": "newmark", "time_stepping": {"time_step": step},
+        "solver_type": "dynamic", "scheme_type": "bossak", "time_stepping": {"time_step": step},
         "residual_relative_tolerance": 1e-8, "consistent_mass_matrix": true});
     let law = "HyperElasticNeoHookeanPlaneStrainUP2DLaw";
     let material = material(law, points, 1.0, 3.0 * MODULUS, 0.5);
@@ -51,7 +52,6 @@ fn a_shear_wave_converges_at_second_order() {
             let all = [8, 16, 32].map(|count| errors(cell, stabilization, count));
             let [of_motion, of_pressure] = [0, 1].map(|kind| orders(&all.map(|errors| errors[kind])));
             let told = format!("{cell:?} {stabilization}: {all:?}, orders {of_motion:?}, {of_pressure:?}");
-            println!("{told}");
             assert!(of_motion[1] > 1.8 && of_pressure[1] > 1.0, "{told}");
         }
     }

@@ -416,7 +416,7 @@ impl Solver for Implicit {
                 this.previous.copy_from_slice(grid.node_fields.vector_mut(&DISPLACEMENT, count));
             }
             this.increments = increments;
-            this.mixed.iter_mut().for_each(Mixed::has_started);
+            this.mixed.iter_mut().for_each(Mixed::has_stepped);
             if is_total {
                 this.motion = Motion { velocity: velocities, acceleration: accelerations };
             }

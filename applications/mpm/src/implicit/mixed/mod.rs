@@ -121,14 +121,14 @@ impl Mixed {
         self.shows_reaction = wanted;
     }
 
-    /// The first step is at hand, and is one of the backward Euler method. What pressures make of the
-    /// acceleration is not known before; Newmark's scheme would carry the error of a guess along for ever.
+    /// The first step is at hand, and is one of the backward Euler method: what pressures make of the
+    /// acceleration is not known before.
     pub fn starts(&self) -> bool {
         self.starts
     }
 
-    /// Says that the first step is done.
-    pub fn has_started(&mut self) {
+    /// Says that a step is done.
+    pub fn has_stepped(&mut self) {
         self.starts = false;
     }
 
