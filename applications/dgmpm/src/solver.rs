@@ -186,7 +186,8 @@ impl Solver for DiscontinuousGalerkin {
         }
         let method = self.settings.method;
         let corrected = if method.transverse { " with transverse correction" } else { "" };
-        line("scheme", format!("{}{corrected}, {:?} Riemann solver", method.time_integration.name(), method.riemann));
+        let (scheme, riemann) = (method.time_integration.name(), method.riemann.name());
+        line("scheme", format!("{scheme}{corrected}, {riemann} Riemann solver"));
         for group in points.body.stability() {
             if let Some(limits) = group.limits {
                 let overshoot =
@@ -213,7 +214,7 @@ impl Solver for DiscontinuousGalerkin {
         let (kinetic, strain) = energies(points.body.as_ref(), 0..points.body.len());
         let mut list = vec![("kinetic", kinetic)];
         list.extend(strain.map(|strain| ("strain", strain)));
-        list.push(("boundary work", points.body.work()));
+        list.push(("supplied", points.body.work()));
         list
     }
 
