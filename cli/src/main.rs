@@ -1,5 +1,7 @@
 //! The `bia` command: parse arguments, register applications, run, show progress and errors.
 
+mod info;
+mod new;
 mod progress;
 mod report;
 mod run;
@@ -20,6 +22,9 @@ struct Cli {
 const EXAMPLES: &str = "Examples:
   bia run ProjectParameters.json                 run a project, results beside it
   bia check ProjectParameters.json               read and check all input, run nothing
+  bia new scene --template falling-disc          write a project to begin with
+  bia info Dynamic                               the keys of a solver, process, modeler or law
+  bia schema > bia.schema.json                   for editors, in a member $schema of the project
   bia run P.json --threads 2 --output /tmp/out --set /problem_data/end_time=0.1
 
 Exit codes: 0 done, 1 a check process found differences, 2 wrong input, 3 the run failed.";
@@ -30,6 +35,17 @@ enum Command {
     Run(run::RunArguments),
     /// Read and check all input of a project, run nothing, print what the scene consists of
     Check(ProjectArguments),
+    /// Write a project to begin with
+    New(new::NewArguments),
+    /// List all solvers, processes, modelers, laws and variables, or show one
+    Info(info::InfoArguments),
+    /// Print the JSON Schema of projects, with which editors complete and check them
+    Schema,
+    /// Print completions for a shell
+    Completions {
+        /// The shell
+        shell: clap_complete::Shell,
+    },
 }
 
 /// What both commands take.
@@ -61,5 +77,9 @@ fn main() -> ExitCode {
     match Cli::parse().command {
         Command::Run(arguments) => run::run(&arguments, &registry()),
         Command::Check(arguments) => run::check(&arguments, &registry()),
+        Command::New(arguments) => new::new(&arguments),
+        Command::Info(arguments) => info::info(&arguments, &registry()),
+        Command::Schema => info::schema(&registry()),
+        Command::Completions { shell } => info::completions(shell),
     }
 }

@@ -46,7 +46,8 @@ pub fn run(arguments: &RunArguments, registry: &Registry) -> ExitCode {
         return ExitCode::from(2);
     }
     let threads = arguments.threads.or_else(|| std::thread::available_parallelism().ok()).map_or(1, usize::from);
-    if let Err(error) = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global() {
+    // This thread is one of them: what it starts, it works on too.
+    if let Err(error) = rayon::ThreadPoolBuilder::new().num_threads(threads).use_current_thread().build_global() {
         report::complain!("error: {threads} threads cannot be started: {error}");
         return ExitCode::from(2);
     }

@@ -97,10 +97,34 @@ pub type BuildSolver = fn(&Parameters, &Registry, &RunOptions) -> Result<Box<dyn
 pub struct SolverEntry {
     /// Values of `solver_type` that choose it (compared without regard to case, `-` and `_`).
     pub types: &'static [&'static str],
+    /// Keys of `solver_settings`.
+    pub keys: &'static [Key],
     /// What it does.
     pub help: &'static str,
     /// Builds it from `solver_settings`.
     pub build: BuildSolver,
+}
+
+/// A component of an application's own kind, such as a constitutive law, as a user may ask for it.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Description {
+    /// Its name.
+    pub name: String,
+    /// Other names.
+    pub aliases: Vec<String>,
+    /// What it is.
+    pub help: String,
+    /// What it takes: name, unit, range, meaning.
+    pub values: Vec<[String; 4]>,
+}
+
+/// A kind of components that an application keeps in a catalogue of its own.
+#[derive(Clone, Copy)]
+pub struct Kinds {
+    /// What they are called together, such as "laws".
+    pub title: &'static str,
+    /// Describes them.
+    pub describe: fn(&Registry) -> Vec<Description>,
 }
 
 /// All components.
@@ -113,6 +137,7 @@ pub struct Registry {
     solvers: Vec<SolverEntry>,
     body_mesh: Option<(&'static str, &'static str)>,
     catalogues: HashMap<TypeId, Box<dyn Any + Send + Sync>>,
+    kinds: Vec<Kinds>,
 }
 
 impl Registry {
@@ -121,6 +146,7 @@ impl Registry {
         let mut registry = Self::default();
         crate::processes::assign::register(&mut registry);
         crate::processes::json::register(&mut registry);
+        crate::processes::measure::register(&mut registry);
         crate::processes::vtk::register(&mut registry);
         crate::modelers::register(&mut registry);
         registry
@@ -181,6 +207,23 @@ impl Registry {
     /// An application's own list of components, if it has one.
     pub fn catalogue<T: Any>(&self) -> Option<&T> {
         self.catalogues.get(&TypeId::of::<T>()).and_then(|catalogue| catalogue.downcast_ref())
+    }
+
+    /// Adds a kind of components that an application describes itself; a title that is there is kept.
+    pub fn kind(&mut self, kind: Kinds) {
+        if !self.kinds.iter().any(|known| known.title == kind.title) {
+            self.kinds.push(kind);
+        }
+    }
+
+    /// The kinds of components that applications describe themselves.
+    pub fn kinds(&self) -> &[Kinds] {
+        &self.kinds
+    }
+
+    /// Names and shapes of elements or conditions.
+    pub fn cells(&self, category: Category) -> impl Iterator<Item = (&'static str, Shape)> {
+        self.cells.iter().filter(move |(c, _, _)| *c == category).map(|(_, name, shape)| (*name, *shape))
     }
 
     /// All variables.

@@ -1,6 +1,7 @@
 //! Typed variables and the columns that hold their values, allocated on demand.
 
 use crate::io::json::JsonObject;
+use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// How many numbers a value of a variable has.
@@ -51,6 +52,15 @@ impl Variable {
     }
 }
 
+/// A node whose value of a vector variable has no component along the normal of a wall.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Slide {
+    /// Index of the node.
+    pub node: u32,
+    /// Unit normal of the wall, of either sign.
+    pub normal: [f64; 3],
+}
+
 /// Values of variables on the nodes, elements or conditions of a model part. A variable that no component
 /// of the scene asks for has no column.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -59,6 +69,7 @@ pub struct Fields {
     vectors: BTreeMap<&'static str, Vec<[f64; 3]>>,
     rows: BTreeMap<&'static str, Column>,
     fixed: BTreeMap<&'static str, Vec<[bool; 3]>>,
+    slides: BTreeMap<&'static str, Vec<Slide>>,
 }
 
 impl Fields {
@@ -103,9 +114,25 @@ impl Fields {
         self.fixed.get(variable.name).map(Vec::as_slice)
     }
 
+    /// The column of a vector, to be changed, and which components are fixed; either empty if there is none.
+    pub fn vector_and_fixed(&mut self, variable: &Variable) -> (&mut [[f64; 3]], &[[bool; 3]]) {
+        let vector = self.vectors.get_mut(variable.name).map_or(&mut [][..], Vec::as_mut_slice);
+        (vector, self.fixed.get(variable.name).map_or(&[], Vec::as_slice))
+    }
+
     /// Which components are fixed, to be changed.
     pub fn fixed_mut(&mut self, variable: &Variable, count: usize) -> &mut [[bool; 3]] {
         self.fixed.entry(variable.name).or_insert_with(|| vec![[false; 3]; count])
+    }
+
+    /// Walls along which the values of a vector slide; a node has one entry for each of its walls.
+    pub fn slides(&self, variable: &Variable) -> &[Slide] {
+        self.slides.get(variable.name).map_or(&[], Vec::as_slice)
+    }
+
+    /// Adds walls along which the values of a vector slide.
+    pub fn add_slides(&mut self, variable: &Variable, slides: impl IntoIterator<Item = Slide>) {
+        self.slides.entry(variable.name).or_default().extend(slides);
     }
 
     /// Writes every column to the account of a run.
@@ -145,7 +172,8 @@ pub struct Column {
 impl Column {
     /// Zeros for `points` points.
     pub fn new(width: usize, points: usize) -> Self {
-        Self { width, values: vec![0.0; width * points] }
+        // Zeros from the system are pages that fault when first written, in the midst of the first step.
+        Self { width, values: (0..width * points).into_par_iter().with_min_len(4096).map(|_| 0.0).collect() }
     }
 
     /// The same numbers for `points` points.
@@ -247,15 +275,21 @@ impl Column {
     }
 }
 
+/// Rows that one thread moves at a time.
+const ROWS: usize = 4096;
+
 /// Rows of a length that the compiler knows are moved without a call each.
 fn reorder_rows<const W: usize>(values: &mut [f64], order: &[u32], scratch: &mut Vec<f64>) {
-    scratch.clear();
-    scratch.extend_from_slice(values);
+    scratch.resize(values.len(), 0.0);
+    let copied = scratch.par_chunks_mut(ROWS * W).zip(values.par_chunks(ROWS * W));
+    copied.for_each(|(to, from)| to.copy_from_slice(from));
     let (rows, old) = (values.as_chunks_mut::<W>().0, scratch.as_chunks::<W>().0);
     assert!(order.len() >= rows.len(), "an order for fewer points than there are");
-    for (row, &from) in rows.iter_mut().zip(order) {
-        *row = old[from as usize];
-    }
+    rows.par_chunks_mut(ROWS).zip(order.par_chunks(ROWS)).for_each(|(rows, order)| {
+        for (row, &from) in rows.iter_mut().zip(order) {
+            *row = old[from as usize];
+        }
+    });
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@
 mod mesh;
 mod record;
 mod scene;
+mod table;
 
 #[allow(unused_imports)]
 pub use mesh::{Cell, Mesh};
@@ -11,6 +12,8 @@ pub use mesh::{Cell, Mesh};
 pub use record::{Record, State};
 #[allow(unused_imports)]
 pub use scene::{Body, Scene, fix, gravity, material, process, run_project};
+#[allow(unused_imports)]
+pub use table::Table;
 
 /// Order of convergence of errors on meshes (or steps) that are halved from one to the next.
 pub fn orders(errors: &[f64]) -> Vec<f64> {

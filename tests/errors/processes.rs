@@ -171,3 +171,155 @@ fn loads_on_conditions() {
         ("function", |s| load(s, "\"modulus\": \"2*\""), &["/modulus", "is wrong"]),
     ]);
 }
+
+/// Replaces the table of energies by another output.
+fn output(scene: Scene, module: &str, parameters: &str) -> Scene {
+    scene.replace(PROJECT, "mpm_write_energy_output_process", module).replace(
+        PROJECT,
+        "{\"model_part_name\": \"MPM_Material\"}",
+        &format!("{{{parameters}}}"),
+    )
+}
+
+#[test]
+fn measurements() {
+    const POINT: &str = "point_output_process";
+    const POINTS: &str = "mpm_point_output_process";
+    refuse(&[
+        (
+            "place",
+            |s| {
+                let keys = r#""model_part_name": "Background_Grid", "output_variables": ["VELOCITY"], "position": "#;
+                output(s, POINT, &format!("{keys}[2.0, 0.5, 0.0]"))
+            },
+            &["no element of \"Background_Grid\" holds [2.0, 0.5, 0.0]"],
+        ),
+        (
+            "node",
+            |s| {
+                let keys = r#""model_part_name": "Background_Grid.Floor", "output_variables": ["VELOCITY"],
+                    "entity_type": "node", "position": "#;
+                output(s, POINT, &format!("{keys}[0.5, 0.1, 0.0]"))
+            },
+            &["/search_tolerance", "the nearest, 3, is 1e-1 m off"],
+        ),
+        (
+            "variable of points",
+            |s| {
+                let keys = r#""model_part_name": "Background_Grid", "position": [0.5, 0.5, 0.0], "#;
+                output(s, POINT, &format!(r#"{keys}"output_variables": ["MP_VELOCITY"]"#))
+            },
+            &["/output_variables/0", "nobody in this scene provides \"MP_VELOCITY\""],
+        ),
+        (
+            "id",
+            |s| output(s, POINTS, r#""material_point_ids": [7], "output_variables": ["MP_VELOCITY"]"#),
+            &["/material_point_ids", "there is no material point 7"],
+        ),
+        (
+            "neither id nor place",
+            |s| output(s, POINTS, r#""output_variables": ["MP_VELOCITY"]"#),
+            &["needs either \"material_point_ids\" or \"positions\""],
+        ),
+        (
+            "quantile",
+            |s| output(s, "mpm_front_output_process", r#""quantiles": [0.5, 99.8]"#),
+            &["/quantiles/1", "from 0 to 1"],
+        ),
+        (
+            "total",
+            |s| output(s, "mpm_totals_output_process", r#""quantities": ["mas"]"#),
+            &["/quantities/0", "did you mean \"mass\"?"],
+        ),
+        (
+            "blocks that cut cells",
+            |s| {
+                output(
+                    s,
+                    "mpm_totals_output_process",
+                    r#""quantities": ["overfill"], "overfill_block": [0.6, 0.5, 0.0]"#,
+                )
+            },
+            &["/overfill_block", "element 3 lies in several"],
+        ),
+        (
+            "vector",
+            |s| {
+                let keys = r#""model_part_name": "Background_Grid", "output_variables": ["VELOCITY"]"#;
+                output(s, "oscillation_output_process", keys)
+            },
+            &["/output_variables/0", "name a component"],
+        ),
+        (
+            "time",
+            |s| output(s, "mpm_front_output_process", r#""output_times": [0.01, "Ende"]"#),
+            &["/output_times/1", "or \"End\""],
+        ),
+        (
+            "two in one file",
+            |s| {
+                let block = r#"{"python_module": "mpm_front_output_process", "Parameters": {}}"#;
+                let s = output(s, "mpm_front_output_process", "");
+                s.replace(PROJECT, "\"energy\": [{", &format!("\"energy\": [{block}, {{"))
+            },
+            &["/output_processes/energy/1", "another process writes", "front.csv"],
+        ),
+    ]);
+}
+
+/// A part of conditions on the floor (nodes 1 to 5) and up the left side (1, 6, …), and a slip process there.
+fn wall(scene: Scene, lines: &[[u32; 2]], parameters: &str) -> Scene {
+    let numbered = || lines.iter().enumerate().map(|(i, [a, b])| (i + 1, a, b));
+    let conditions: String = numbered().map(|(id, a, b)| format!("{id} 0 {a} {b}\n")).collect();
+    let ids: String = numbered().map(|(id, ..)| format!("{id}\n")).collect();
+    let text = format!(
+        "Begin Conditions LineCondition2D2N\n{conditions}End Conditions\nBegin SubModelPart Wall\n\
+         Begin SubModelPartConditions\n{ids}End SubModelPartConditions\nEnd SubModelPart\n"
+    );
+    scene
+        .append(GRID, &text)
+        .replace(PROJECT, "assign_gravity_to_material_point_process", "apply_mpm_slip_boundary_process")
+        .replace(
+            PROJECT,
+            "\"model_part_name\": \"MPM_Material\",\n                \"modulus\": 9.81,\n                \
+             \"direction\": [0.0, -1.0, 0.0]",
+            parameters,
+        )
+}
+
+#[test]
+fn walls_to_slide_along() {
+    refuse(&[
+        (
+            "friction",
+            |s| wall(s, &[[1, 2]], r#""model_part_name": "Background_Grid.Wall", "friction_coefficient": 0.3"#),
+            &["/friction_coefficient", "friction on walls is not there yet"],
+        ),
+        (
+            "part without conditions",
+            |s| wall(s, &[[1, 2]], r#""model_part_name": "Background_Grid.Floor""#),
+            &["\"Background_Grid.Floor\" is no part of the grid with conditions"],
+        ),
+        (
+            "edge",
+            |s| wall(s, &[[6, 1], [1, 2]], r#""model_part_name": "Background_Grid.Wall""#),
+            &["the wall has an edge at node 1", "a slip process of its own"],
+        ),
+        (
+            "lines that run against each other",
+            |s| wall(s, &[[1, 2], [3, 2]], r#""model_part_name": "Background_Grid.Wall""#),
+            &["node 2 of \"Background_Grid.Wall\" has no normal"],
+        ),
+        (
+            "splines",
+            |s| {
+                wall(s, &[[1, 2]], r#""model_part_name": "Background_Grid.Wall""#).replace(
+                    PROJECT,
+                    "\"solver_type\": \"dynamic\",",
+                    "\"solver_type\": \"dynamic\", \"frame\": \"total_lagrangian\", \"basis\": \"b_spline\",",
+                )
+            },
+            &["walls to slide along need the functions of the mesh"],
+        ),
+    ]);
+}

@@ -221,7 +221,7 @@ fn solver_settings() {
         (
             "pressure_dofs",
             |s| s.replace(PROJECT, "\"pressure_dofs\": false", "\"pressure_dofs\": true"),
-            &["at /solver_settings/pressure_dofs", "not part of this build", "set pressure_dofs to false"],
+            &["has no nodal pressure", "set \"pressure_dofs\" to false", "HyperElasticNeoHookeanPlaneStrainUP2DLaw"],
         ),
         (
             "stabilization",

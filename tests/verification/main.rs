@@ -10,4 +10,5 @@ mod manufactured;
 mod modes;
 mod patch;
 mod reactions;
+mod slip;
 mod vibrating_bar;

@@ -246,7 +246,13 @@ fn read_entry(entry: &Parameters, catalogue: &Catalogue) -> Result<(String, Prop
 fn read_variable(name: &str, value: &Parameters, catalogue: &Catalogue) -> Result<(String, Value), InputErrors> {
     let name = if name == "PARTICLES_PER_ELEMENT" { "MATERIAL_POINTS_PER_ELEMENT" } else { name };
     let last = name.rsplit('.').next().unwrap_or(name);
-    let laws = || catalogue.entries().iter().flat_map(|law| law.variables).map(|variable| variable.name);
+    let laws = || {
+        catalogue
+            .entries()
+            .iter()
+            .flat_map(|law| law.variables.iter().chain(law.optional))
+            .map(|variable| variable.name)
+    };
     let known = || ELEMENT_VARIABLES.iter().chain(OTHER_VARIABLES).copied().chain(laws());
     if !known().any(|k| k == last) {
         return Err(value.error(format!("the material variable {name:?} is unknown")).allowed(last, known()).into());

@@ -5,12 +5,12 @@
 
 use bia_kernel::diagnostic::{Diagnostic, InputErrors, Place};
 use bia_kernel::model::Properties;
-use bia_kernel::registry::Registry;
+use bia_kernel::registry::{Description, Kinds, Registry};
 use thiserror::Error;
 
 use crate::{
     ConstitutiveLaw, Fault, Kinematics, Law, Material, MaterialVariable, Options, kirchhoff_bar, linear_elastic,
-    neo_hookean, newtonian, nominal_elastic,
+    neo_hookean, neo_hookean_mixed, newtonian, newtonian_mixed, nominal_elastic,
 };
 
 /// A law under one name.
@@ -28,6 +28,10 @@ pub struct LawEntry {
     pub help: &'static str,
     /// The constants that it takes.
     pub variables: &'static [MaterialVariable],
+    /// The constants that it takes if they are given.
+    pub optional: &'static [MaterialVariable],
+    /// The law is for mixed displacement-pressure elements.
+    pub mixed: bool,
     /// Makes the law from a material, or lists all the material's faults.
     pub build: Build,
     /// Makes the law that explicit solvers use under this name, if that is another one.
@@ -47,6 +51,8 @@ impl LawEntry {
             kinematics,
             help: L::HELP,
             variables: L::VARIABLES,
+            optional: L::OPTIONAL,
+            mixed: L::MIXED,
             build: build::<L>,
             explicit: None,
         }
@@ -71,7 +77,7 @@ impl LawEntry {
 }
 
 fn build<L: ConstitutiveLaw>(properties: &Properties, options: &Options) -> Result<Box<dyn Law>, Vec<Fault>> {
-    let material = Material::new(properties, options, L::VARIABLES)?;
+    let material = Material::new(properties, options, L::VARIABLES, L::OPTIONAL)?;
     let law = L::new(&material).map_err(|fault| vec![fault])?;
     Ok(Box::new(law))
 }
@@ -86,8 +92,6 @@ pub struct DuplicateLaw(
 
 /// Laws of Kratos's MPMApplication 10.4; those that a catalogue holds are found there first.
 const KNOWN_TO_KRATOS: &[&str] = &[
-    "HyperElasticNeoHookeanUP3DLaw",
-    "HyperElasticNeoHookeanPlaneStrainUP2DLaw",
     "HenckyMCPlastic3DLaw",
     "HenckyMCPlasticPlaneStrain2DLaw",
     "HenckyMCPlasticAxisym2DLaw",
@@ -124,7 +128,9 @@ pub fn catalogue() -> Catalogue {
     let entries = [
         linear_elastic::entries(), //
         neo_hookean::entries(),
+        neo_hookean_mixed::entries(),
         newtonian::entries(),
+        newtonian_mixed::entries(),
         nominal_elastic::entries(),
         kirchhoff_bar::entries(),
     ];
@@ -137,6 +143,23 @@ pub fn register(registry: &mut Registry) {
     let new = catalogue().entries.into_iter().filter(|entry| known.find(entry.name).is_none());
     let new: Vec<LawEntry> = new.collect();
     known.entries.extend(new);
+    registry.kind(Kinds { title: "laws", describe });
+}
+
+/// The laws of the registry's catalogue as a user asks for them.
+fn describe(registry: &Registry) -> Vec<Description> {
+    let entries = registry.catalogue::<Catalogue>().map_or(&[][..], |catalogue| &catalogue.entries);
+    let value = |v: &MaterialVariable| [v.name.into(), v.unit.into(), v.range.to_string(), v.help.into()];
+    let of_entry = |entry: &LawEntry| {
+        let kinematics: Vec<&str> = entry.kinematics.iter().map(|kind| kind.name()).collect();
+        Description {
+            name: entry.name.into(),
+            aliases: entry.aliases.iter().map(|alias| (*alias).to_string()).collect(),
+            help: format!("{} ({})", entry.help, kinematics.join(", ")),
+            values: entry.variables.iter().map(value).collect(),
+        }
+    };
+    entries.iter().map(of_entry).collect()
 }
 
 impl Catalogue {
@@ -180,6 +203,9 @@ impl Catalogue {
         let mut errors = InputErrors::default();
         if !entry.kinematics.contains(&kinematics) {
             errors.push(self.wrong_kinematics(entry, kinematics, &places.law));
+        }
+        if entry.mixed != options.mixed.is_some() {
+            errors.push(self.wrong_formulation(entry, kinematics, &places.law));
         }
         let build = entry.explicit.filter(|_| options.explicit).unwrap_or(entry.build);
         let built = build(properties, options)
@@ -230,6 +256,17 @@ impl Catalogue {
         Diagnostic::error(place.clone(), message).help(help)
     }
 
+    fn wrong_formulation(&self, entry: &LawEntry, kinematics: Kinematics, place: &Place) -> Diagnostic {
+        let others = self.entries.iter().filter(|e| e.mixed != entry.mixed && e.kinematics.contains(&kinematics));
+        let others: Vec<&str> = others.map(|e| e.name).collect();
+        let (message, setting) = match entry.mixed {
+            true => ("needs nodal pressures", "set \"pressure_dofs\" to true"),
+            false => ("has no nodal pressure", "set \"pressure_dofs\" to false"),
+        };
+        let message = format!("the constitutive law {} {message}", entry.name);
+        Diagnostic::error(place.clone(), message).help(format!("{setting}, or use one of {}", others.join(", ")))
+    }
+
     fn names_for(&self, kinematics: Kinematics) -> Vec<&'static str> {
         self.entries.iter().filter(|e| e.kinematics.contains(&kinematics)).map(|e| e.name).collect()
     }
@@ -244,6 +281,7 @@ mod tests {
     use bia_kernel::model::Value;
 
     use super::*;
+    use crate::VolumetricLaw;
 
     fn rubber(law: &str) -> Properties {
         let numbers = [
@@ -258,8 +296,16 @@ mod tests {
     }
 
     fn build(properties: &Properties, kinematics: Kinematics) -> Result<Box<dyn Law>, String> {
+        build_for(properties, kinematics, None)
+    }
+
+    fn build_for(
+        properties: &Properties,
+        kinematics: Kinematics,
+        mixed: Option<VolumetricLaw>,
+    ) -> Result<Box<dyn Law>, String> {
         catalogue()
-            .build(properties, kinematics, &Options::default(), &MaterialPlaces::default())
+            .build(properties, kinematics, &Options { mixed, ..Options::default() }, &MaterialPlaces::default())
             .map_err(|errors| errors.to_string())
     }
 
@@ -271,7 +317,11 @@ mod tests {
             again.register(*entry).unwrap();
             for &kinematics in entry.kinematics {
                 let dotted = format!("KratosMultiphysics.MPMApplication.{}", entry.name);
-                assert_eq!(build(&rubber(&dotted), kinematics).unwrap().name(), entry.law);
+                let mixed = entry.mixed.then(VolumetricLaw::default);
+                let law = build_for(&rubber(&dotted), kinematics, mixed).unwrap();
+                assert_eq!((law.name(), law.mixed().is_some()), (entry.law, entry.mixed));
+                let other = build_for(&rubber(&dotted), kinematics, (!entry.mixed).then(VolumetricLaw::default));
+                assert!(other.is_err_and(|error| error.contains("pressure_dofs")), "{}", entry.name);
             }
         }
         let taken = LawEntry { name: "Other", aliases: &["HyperElasticNeoHookean3DLaw"], ..all.entries()[0] };

@@ -5,7 +5,7 @@ use bia_kernel::lanes::{Lanes, Pack, Real};
 use bytemuck::{Pod, Zeroable};
 use nalgebra::Matrix3;
 
-use crate::{Fault, LawError, Material, MaterialVariable, Tangent, Voigt, tensor::Tensor};
+use crate::{Fault, LawError, Material, MaterialVariable, MixedModuli, Tangent, Voigt, tensor::Tensor};
 
 /// What a law may know about points in step, one in each lane.
 #[derive(Debug, Clone, Copy)]
@@ -39,6 +39,15 @@ impl Deformation {
     }
 }
 
+/// The pressure that a mixed element hands over.
+///
+/// # Errors
+/// The element has none.
+pub(crate) fn mixed_pressure(deformation: &Deformation) -> Result<f64, LawError> {
+    let advice = "set \"pressure_dofs\" to true";
+    deformation.pressure.ok_or(LawError::Unsuitable { problem: "needs the nodal pressure", advice })
+}
+
 /// A constitutive law at one point, in three dimensions.
 ///
 /// With Kirchhoff stress τ = J σ, J = det F of [`Deformation::gradient`]:
@@ -54,6 +63,10 @@ pub trait ConstitutiveLaw: Sized + Send + Sync + 'static {
     const HELP: &'static str;
     /// The constants that the law takes.
     const VARIABLES: &'static [MaterialVariable];
+    /// The constants that the law takes if they are given.
+    const OPTIONAL: &'static [MaterialVariable] = &[];
+    /// The law takes [`Deformation::pressure`] and has [`mixed`](Self::mixed).
+    const MIXED: bool = false;
     /// History of one point, a `#[repr(C)]` struct of `f64`; `()` stores nothing.
     type State: Pod + Send + Sync;
     /// The law takes [`Deformation::strain`].
@@ -111,6 +124,11 @@ pub trait ConstitutiveLaw: Sized + Send + Sync + 'static {
     /// Whether the tangent has the major symmetry c_abcd = c_cdab.
     fn is_symmetric(&self) -> bool {
         true
+    }
+
+    /// What mixed displacement-pressure elements need beside stress and tangent.
+    fn mixed(&self) -> Option<MixedModuli> {
+        None
     }
 }
 
@@ -200,6 +218,9 @@ pub trait Law: Send + Sync {
 
     /// See [`ConstitutiveLaw::is_symmetric`].
     fn is_symmetric(&self) -> bool;
+
+    /// See [`ConstitutiveLaw::mixed`].
+    fn mixed(&self) -> Option<MixedModuli>;
 }
 
 /// Numbers per point of a state. A state that is no sequence of f64-sized numbers does not compile.
@@ -342,5 +363,9 @@ impl<L: ConstitutiveLaw> Law for L {
 
     fn is_symmetric(&self) -> bool {
         ConstitutiveLaw::is_symmetric(self)
+    }
+
+    fn mixed(&self) -> Option<MixedModuli> {
+        ConstitutiveLaw::mixed(self)
     }
 }

@@ -6,6 +6,8 @@ use bia_kernel::diagnostic::{Diagnostic, Place};
 use bia_kernel::model::{Properties, Value};
 use thiserror::Error;
 
+use crate::VolumetricLaw;
+
 /// The values that a constant may take. Ends are excluded unless named otherwise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Range {
@@ -19,6 +21,8 @@ pub enum Range {
     Below(f64),
     /// Greater than the first and less than the second.
     Between(f64, f64),
+    /// Greater than the first and at most the second.
+    AboveUpTo(f64, f64),
 }
 
 impl Range {
@@ -30,6 +34,7 @@ impl Range {
             Self::AtLeast(low) => value >= low,
             Self::Below(high) => value < high,
             Self::Between(low, high) => low < value && value < high,
+            Self::AboveUpTo(low, high) => low < value && value <= high,
         }
     }
 }
@@ -42,6 +47,7 @@ impl fmt::Display for Range {
             Self::AtLeast(low) => write!(f, ">= {low}"),
             Self::Below(high) => write!(f, "< {high}"),
             Self::Between(low, high) => write!(f, "> {low} and < {high}"),
+            Self::AboveUpTo(low, high) => write!(f, "> {low} and <= {high}"),
         }
     }
 }
@@ -79,6 +85,12 @@ pub const POISSON_RATIO: MaterialVariable = MaterialVariable {
     unit: "-",
     help: "Poisson's ratio at small strain; 0.5 would be incompressible",
     range: Range::Between(-1.0, 0.5),
+};
+/// Poisson's ratio of a law with nodal pressure.
+pub const POISSON_RATIO_TO_HALF: MaterialVariable = MaterialVariable {
+    help: "Poisson's ratio at small strain; 0.5 is incompressible",
+    range: Range::AboveUpTo(-1.0, 0.5),
+    ..POISSON_RATIO
 };
 
 /// One thing that is wrong with a material.
@@ -151,6 +163,8 @@ pub struct Options {
     pub kratos_exact: bool,
     /// The solver is explicit: names of linear elastic laws then mean [`crate::Hypoelastic`].
     pub explicit: bool,
+    /// Elements have nodal pressures, held by this volumetric law: laws must be mixed ones.
+    pub mixed: Option<VolumetricLaw>,
 }
 
 /// A material whose constants have been checked for one law.
@@ -159,10 +173,11 @@ pub struct Material<'a> {
     properties: &'a Properties,
     options: &'a Options,
     variables: &'a [MaterialVariable],
+    optional: &'a [MaterialVariable],
 }
 
 impl<'a> Material<'a> {
-    /// Checks `properties` against `variables`.
+    /// Checks `properties` against `variables`, and against `optional` where they are given.
     ///
     /// # Errors
     /// All the faults of [`check`].
@@ -170,9 +185,12 @@ impl<'a> Material<'a> {
         properties: &'a Properties,
         options: &'a Options,
         variables: &'a [MaterialVariable],
+        optional: &'a [MaterialVariable],
     ) -> Result<Self, Vec<Fault>> {
-        let faults = check(properties, variables);
-        if faults.is_empty() { Ok(Self { properties, options, variables }) } else { Err(faults) }
+        let mut faults = check(properties, variables);
+        let given = optional.iter().filter(|variable| properties.values.contains_key(variable.name));
+        faults.extend(given.filter_map(|variable| fault_of(properties, *variable)));
+        if faults.is_empty() { Ok(Self { properties, options, variables, optional }) } else { Err(faults) }
     }
 
     /// The value of a constant that the law declares.
@@ -183,6 +201,12 @@ impl<'a> Material<'a> {
         let declared = self.variables.iter().any(|other| other.name == variable.name);
         let value = self.properties.number(variable.name).filter(|_| declared);
         value.ok_or(Fault::Undeclared { name: variable.name })
+    }
+
+    /// The value of an optional constant that the law declares, if it is given.
+    pub fn given(&self, variable: MaterialVariable) -> Option<f64> {
+        let declared = self.optional.iter().any(|other| other.name == variable.name);
+        self.properties.number(variable.name).filter(|_| declared)
     }
 
     /// Choices that hold for all materials.
@@ -318,6 +342,7 @@ mod tests {
             (Range::AtLeast(1.0), 1.0, 0.5),
             (Range::Below(0.0), -1.0, 0.0),
             (Range::Between(0.0, 1.0), 0.5, 1.0),
+            (Range::AboveUpTo(0.0, 1.0), 1.0, 0.0),
         ] {
             assert!(range.contains(inside) && !range.contains(outside), "{range}");
         }
@@ -326,7 +351,7 @@ mod tests {
     #[test]
     fn a_law_cannot_read_what_it_does_not_declare() {
         let material = properties(&[("DENSITY", Value::Number(1.0)), ("YOUNG_MODULUS", Value::Number(1.0))]);
-        let checked = Material::new(&material, &Options::default(), &[DENSITY]).map(|m| m.get(YOUNG_MODULUS));
+        let checked = Material::new(&material, &Options::default(), &[DENSITY], &[]).map(|m| m.get(YOUNG_MODULUS));
         assert_eq!(checked, Ok(Err(Fault::Undeclared { name: "YOUNG_MODULUS" })));
     }
 
@@ -338,7 +363,7 @@ mod tests {
             ("POISSON_RATIO", Value::Number(0.5 - 1e-16)),
         ]);
         let options = Options::default();
-        let Ok(material) = Material::new(&material, &options, &ELASTIC) else { panic!("each is in range") };
+        let Ok(material) = Material::new(&material, &options, &ELASTIC, &[]) else { panic!("each is in range") };
         assert!(matches!(LameParameters::of(&material), Err(Fault::Inconsistent { .. })));
     }
 }

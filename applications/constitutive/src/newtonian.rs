@@ -40,19 +40,54 @@ impl NewtonianFluid {
     /// Stress, mean stress, deformation of the step.
     fn evaluate(&self, deformation: &Deformation) -> Result<(Matrix3<f64>, f64, Matrix3<f64>), LawError> {
         let jacobian = volume_ratio(&deformation.gradient)?;
-        let Some(back) = deformation.previous.try_inverse() else { return Err(LawError::NonFinite) };
-        if deformation.time_step <= 0.0 {
-            let advice = "use a dynamic or quasi-static solver";
-            return Err(LawError::Unsuitable { problem: "needs a time step, as viscosity resists rates", advice });
-        }
-        let step = deformation.gradient * back;
-        let rate = almansi_strain(&step) / deformation.time_step;
         let mean = self.bulk_modulus * (1.0 - 1.0 / jacobian);
-        let mut stress = 2.0 * self.viscosity * rate;
-        let isotropic = mean - 2.0 / 3.0 * self.viscosity * rate.trace();
-        (0..3).for_each(|a| stress[(a, a)] += isotropic);
+        let (stress, step) = stress_in_flow(deformation, self.viscosity, mean)?;
         Ok((stress, mean, step))
     }
+}
+
+/// p I + 2 μ dev d for the mean stress `mean`, and the deformation of the step.
+///
+/// # Errors
+/// The step has no duration, or started inside out.
+pub(crate) fn stress_in_flow(
+    deformation: &Deformation,
+    viscosity: f64,
+    mean: f64,
+) -> Result<(Matrix3<f64>, Matrix3<f64>), LawError> {
+    let Some(back) = deformation.previous.try_inverse() else { return Err(LawError::NonFinite) };
+    if deformation.time_step <= 0.0 {
+        let advice = "use a dynamic or quasi-static solver";
+        return Err(LawError::Unsuitable { problem: "needs a time step, as viscosity resists rates", advice });
+    }
+    let step = deformation.gradient * back;
+    let rate = almansi_strain(&step) / deformation.time_step;
+    let mut stress = 2.0 * viscosity * rate;
+    let isotropic = mean - 2.0 / 3.0 * viscosity * rate.trace();
+    (0..3).for_each(|a| stress[(a, a)] += isotropic);
+    Ok((stress, step))
+}
+
+/// The tangent at mean stress `mean` for the deformation of the step and ν = μ/Δt; `volumetric` stands
+/// before δ_ab δ_cd: K, or p where pressure is an unknown of its own.
+///
+/// # Errors
+/// The step is singular.
+pub(crate) fn tangent_in_flow(volumetric: f64, mean: f64, nu: f64, step: &Matrix3<f64>) -> Result<Tangent, LawError> {
+    let Some(b) = (step * step.transpose()).try_inverse() else { return Err(LawError::NonFinite) };
+    let one = |i: usize, j: usize| if i == j { 1.0 } else { 0.0 };
+    let mut tangent = [[0.0; 6]; 6];
+    for (row, (a, c)) in VOIGT_PAIRS.into_iter().enumerate() {
+        for (column, (d, e)) in VOIGT_PAIRS.into_iter().enumerate() {
+            let symmetric = 0.5 * (one(a, d) * one(c, e) + one(a, e) * one(c, d));
+            let traces = one(a, c) * one(d, e);
+            let four = one(a, d) * b[(c, e)] + one(a, e) * b[(c, d)] + one(c, e) * b[(a, d)] + one(c, d) * b[(a, e)];
+            let viscous = four - one(d, e) * b[(a, c)] - 2.0 / 3.0 * one(a, c) * b[(d, e)]
+                + b.trace() * (traces / 3.0 - 2.0 / 3.0 * symmetric);
+            tangent[row][column] = volumetric * traces - 2.0 * mean * symmetric + nu * viscous;
+        }
+    }
+    Ok(tangent)
 }
 
 impl ConstitutiveLaw for NewtonianFluid {
@@ -71,21 +106,7 @@ impl ConstitutiveLaw for NewtonianFluid {
 
     fn stress_and_tangent(&self, deformation: &Deformation, _: &mut ()) -> Result<(Voigt, Tangent), LawError> {
         let (stress, mean, step) = self.evaluate(deformation)?;
-        let Some(b) = (step * step.transpose()).try_inverse() else { return Err(LawError::NonFinite) };
-        let (k, nu) = (self.bulk_modulus, self.viscosity / deformation.time_step);
-        let one = |i: usize, j: usize| if i == j { 1.0 } else { 0.0 };
-        let mut tangent = [[0.0; 6]; 6];
-        for (row, (a, c)) in VOIGT_PAIRS.into_iter().enumerate() {
-            for (column, (d, e)) in VOIGT_PAIRS.into_iter().enumerate() {
-                let symmetric = 0.5 * (one(a, d) * one(c, e) + one(a, e) * one(c, d));
-                let traces = one(a, c) * one(d, e);
-                let four =
-                    one(a, d) * b[(c, e)] + one(a, e) * b[(c, d)] + one(c, e) * b[(a, d)] + one(c, d) * b[(a, e)];
-                let viscous = four - one(d, e) * b[(a, c)] - 2.0 / 3.0 * one(a, c) * b[(d, e)]
-                    + b.trace() * (traces / 3.0 - 2.0 / 3.0 * symmetric);
-                tangent[row][column] = k * traces - 2.0 * mean * symmetric + nu * viscous;
-            }
-        }
+        let tangent = tangent_in_flow(self.bulk_modulus, mean, self.viscosity / deformation.time_step, &step)?;
         Ok((stress_to_voigt(&stress), tangent))
     }
 

@@ -41,6 +41,7 @@ pub fn register(registry: &mut Registry) {
     processes::register(registry);
     registry.solver(SolverEntry {
         types: &["dgmpm"],
+        keys: settings::KEYS,
         help: "discontinuous-Galerkin material point method with Riemann solvers, for impact",
         build: |parameters, _, options| {
             let settings = settings::SolverSettings::read(parameters, &options.folder)?;

@@ -11,7 +11,8 @@ use bia_kernel::solving::stepping::TIME_STEPPING;
 use bia_kernel::solving::{MeshSource, Stepping};
 use std::path::Path;
 
-const KEYS: &[Key] = &[
+/// Keys of `solver_settings`.
+pub const KEYS: &[Key] = &[
     Key::required("solver_type", Kind::Text, "dgmpm"),
     Key::new("model_part_name", Kind::Text, "\"Background_Grid\"", "root part with the cells, all of which are filled"),
     Key::required("domain_size", Kind::Integer { min: 1 }, "dimension of space: 1, 2 or 3"),

@@ -1,11 +1,13 @@
 //! What a scene consists of, and its state after a failure.
 
-use crate::active::ActiveCells;
+use crate::active::{ActiveCells, NO_CELL};
 use crate::grid::GRID;
 use crate::points::across;
 use crate::points::fields::{append, total_energies};
 use crate::points::{Block, MaterialPoints, Selection};
 use crate::scene::{Scene, points_of};
+use crate::settings::Frame;
+use crate::space::Space;
 use bia_constitutive::Kinematics;
 use bia_kernel::error::Error;
 use bia_kernel::io::dataset::{CellsOf, Dataset, Field, FieldData};
@@ -44,7 +46,8 @@ impl Scene {
         }
         let mut active = ActiveCells::default();
         active.gather(&points.blocks, grid.elements.len());
-        let dofs = self.space.active_dofs(&active.cells, points.dimension());
+        let unknowns = points.dimension() + usize::from(self.settings.mixed.is_some());
+        let dofs = self.space.active_dofs(&active.cells, unknowns);
         line("dofs at the start", format!("{} on {} active cells", dofs.order(), active.len()));
         let bytes: usize = points.blocks.iter().map(Block::bytes).sum();
         let each = bytes as f64 / points.len().max(1) as f64;
@@ -57,14 +60,19 @@ impl Scene {
 
     /// Legal but suspicious facts.
     fn warnings(&self, points: &MaterialPoints, model: &Model) -> Vec<String> {
-        let mut warnings = body_warnings(model, points);
+        let is_mixed = self.settings.mixed.is_some();
+        let mut warnings = body_warnings(model, points, is_mixed);
         warnings.extend(self.settings.unread());
+        if self.settings.discretisation.frame == Frame::Total {
+            warnings.extend(contact_warning(points, &self.space));
+        }
         for material in &self.materials {
             if !material.properties.tables.is_empty() {
                 let id = material.properties.id;
                 warnings.push(format!("properties {id}: tables have no effect, no law of this build reads one"));
             }
-            if let Some(ratio) = material.properties.number("POISSON_RATIO").filter(|ratio| *ratio > 0.45) {
+            if let Some(ratio) = material.properties.number("POISSON_RATIO").filter(|ratio| *ratio > 0.45 && !is_mixed)
+            {
                 let id = material.properties.id;
                 warnings.push(format!(
                     "properties {id}: Poisson's ratio {ratio} with a displacement formulation locks: bodies look too stiff"
@@ -82,9 +90,36 @@ impl Scene {
     }
 }
 
+/// Several bodies in the total frame: no point ever leaves its cell, and bodies meet through cells.
+fn contact_warning(points: &MaterialPoints, space: &Space) -> Option<String> {
+    let mut owners = vec![None; space.len()];
+    let mut joined = None;
+    for block in &points.blocks {
+        for &node in block.cell.iter().filter(|cell| **cell != NO_CELL).flat_map(|cell| space.nodes_of(*cell as usize))
+        {
+            let owner = *owners[node as usize].get_or_insert(block.body);
+            if owner != block.body {
+                joined.get_or_insert((owner, block.body));
+            }
+        }
+    }
+    let names = &points.bodies;
+    match joined {
+        Some((a, b)) => Some(format!(
+            "{} and {} share nodes of the grid: in the total frame they stick together for good; updated_lagrangian lets bodies part",
+            names[a], names[b]
+        )),
+        None if names.len() > 1 => {
+            let help = "in the total frame bodies that share no node do not feel each other: updated_lagrangian lets them meet";
+            Some(help.to_owned())
+        }
+        None => None,
+    }
+}
+
 /// Elements of the bodies that make no points, or make them twice; names that promise another
 /// formulation than the scene's.
-fn body_warnings(model: &Model, points: &MaterialPoints) -> Vec<String> {
+fn body_warnings(model: &Model, points: &MaterialPoints, is_mixed: bool) -> Vec<String> {
     let Some(bodies) = model.part(&format!("Initial_{}", points.name)) else { return Vec::new() };
     let mut owners = vec![0u32; bodies.elements.len()];
     for &element in bodies.children.iter().flat_map(|child| &child.elements) {
@@ -103,7 +138,7 @@ fn body_warnings(model: &Model, points: &MaterialPoints) -> Vec<String> {
     for name in bodies.elements.names.iter().filter(|name| name.starts_with("MPM")) {
         if name.contains("Axisymmetry") && !axisymmetric {
             warnings.push(format!("{name} is computed as {}: set axis_symmetric_flag to true", points.kinematics));
-        } else if name.contains("UP") {
+        } else if name.contains("UP") && !is_mixed {
             warnings.push(format!("{name} is computed without pressure dofs, as pressure_dofs is false"));
         }
     }
@@ -195,6 +230,7 @@ pub fn save_state(model: &Model, folder: &Path) -> Result<Vec<PathBuf>, Error> {
         ("MP_DISPLACEMENT", used(|block| &block.displacement)),
         ("MP_VELOCITY", used(|block| &block.velocity)),
         ("MP_CAUCHY_STRESS_VECTOR", used(|block| &block.stress)),
+        ("MP_PRESSURE", used(|block| &block.pressure)),
     ] {
         if used {
             let mut values = Vec::new();

@@ -8,7 +8,7 @@ use crate::space::{Space, with_basis};
 use bia_kernel::error::{Error, Failure};
 use bia_kernel::geometry::CellBasis;
 use bia_kernel::linalg::{IterativeSettings, LinearError, Method, solver};
-use bia_kernel::solving::{ActiveDofs, CellBuffer, System};
+use bia_kernel::solving::{ActiveDofs, CellBuffer, NodalFrames, System};
 
 /// Residual, relative to the right-hand side, to which the projection is solved.
 const PRECISION: f64 = 1e-14;
@@ -28,6 +28,8 @@ pub struct ConsistentMass<'a> {
     pub space: &'a Space,
     /// Dofs.
     pub dofs: &'a ActiveDofs,
+    /// Frames of nodes that slide along walls.
+    pub frames: &'a NodalFrames,
 }
 
 impl ConsistentMass<'_> {
@@ -42,7 +44,7 @@ impl ConsistentMass<'_> {
         System::new(self.dofs.block(), self.dofs.nodes().len(), numbers, starts)
     }
 
-    /// Completes `velocity`, in which the fixed dofs stand, by the nearest velocity of the others.
+    /// Completes `velocity`, in which the fixed dofs stand and which slides along walls, by the nearest velocity of the others.
     ///
     /// # Errors
     /// The solver does not converge.
@@ -81,10 +83,12 @@ impl ConsistentMass<'_> {
     /// Conjugate gradients, which serve where the points leave part of the functions undetermined, too:
     /// that part stays zero.
     fn solve(&self, system: &mut System) -> Result<Vec<f64>, Error> {
-        system.matrix.constrain(self.dofs.fixed(), &mut system.rhs);
+        self.frames.turn_system(system, true);
+        system.matrix.constrain(self.frames.fixed(self.dofs), &mut system.rhs);
         let settings = IterativeSettings { maximum_iterations: ITERATIONS, ..IterativeSettings::new(PRECISION) };
         let mut solution = vec![0.0; system.rhs.len()];
         let solved = solver(Method::ConjugateGradient(settings)).solve(&system.matrix, &system.rhs, &mut solution);
+        self.frames.turn_back(&mut solution);
         match solved {
             Ok(_) => Ok(solution),
             Err(LinearError::NotConverged { residual, .. }) if residual <= ENOUGH => Ok(solution),

@@ -4,7 +4,7 @@ use crate::grid::GRID;
 use crate::points::conditions::PointConditions;
 use crate::points::fields::{CONDITION_VARIABLES, append, append_condition, energies, total_energies};
 use crate::points::{Block, MaterialPoints, Selection};
-use crate::variables::{DISPLACEMENT, NODAL_MASS, REACTION};
+use crate::variables::{DISPLACEMENT, NODAL_MASS, PRESSURE, PRESSURE_REACTION, REACTION};
 use bia_kernel::analysis::number;
 use bia_kernel::io::json::JsonObject;
 use bia_kernel::model::{Model, ModelPart};
@@ -106,7 +106,9 @@ fn point_fields(points: &MaterialPoints, out: &mut JsonObject) -> Result<()> {
     let order = points.by_id(Selection::All);
     let block_of = |b: u32| &points.blocks[b as usize];
     out.integers("ids", order.iter().map(|&(b, p)| block_of(b).ids[p as usize]))?;
-    for &(name, vector) in POINT_FIELDS {
+    let mixed = points.blocks.iter().all(|block| block.pressure.is_used());
+    let of_mixed = mixed.then_some(("MP_PRESSURE", false));
+    for (name, vector) in POINT_FIELDS.iter().copied().chain(of_mixed) {
         let value = |&(b, p): &(u32, u32)| {
             let mut row = Vec::with_capacity(6);
             append(block_of(b), p as usize, name, &mut row);
@@ -145,6 +147,11 @@ fn node_fields(grid: &ModelPart, out: &mut JsonObject) -> Result<()> {
     for variable in [&DISPLACEMENT, &REACTION] {
         if let Some(column) = grid.node_fields.vector(variable) {
             out.rows(variable.name, column)?;
+        }
+    }
+    for variable in [&PRESSURE, &PRESSURE_REACTION] {
+        if let Some(column) = grid.node_fields.scalar(variable) {
+            out.numbers(variable.name, column.iter().copied())?;
         }
     }
     let zeros = vec![0.0; grid.nodes.len()];

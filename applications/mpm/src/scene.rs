@@ -8,6 +8,7 @@ use crate::points::conditions::{self, PointConditions, Requests};
 use crate::points::{Columns, Plan, fields, generate};
 use crate::settings::{Frame, Regime, SolverSettings};
 use crate::space::Space;
+use crate::variables::DISPLACEMENT;
 use bia_constitutive::{BodyMaterial, Catalogue};
 use bia_kernel::diagnostic::{Diagnostic, InputErrors, Place};
 use bia_kernel::error::{Error, Failure};
@@ -30,6 +31,9 @@ const NODAL_VARIABLES: &[&str] = &[
     "POSITIVE_FACE_PRESSURE",
     "NEGATIVE_FACE_PRESSURE",
 ];
+
+/// Nodal variables that mixed formulations have beside these.
+const PRESSURE_VARIABLES: &[&str] = &["PRESSURE", "PRESSURE_REACTION"];
 
 /// A scene: its settings, its materials and the search on its grid.
 pub struct Scene {
@@ -111,6 +115,11 @@ impl Scene {
             return Err(self.settings.settings.error("domain_size", message).into());
         }
         let space = Space::new(grid, &self.settings.discretisation, &self.settings.settings)?;
+        if !space.is_mesh() && !grid.node_fields.slides(&DISPLACEMENT).is_empty() {
+            let message = "walls to slide along need the functions of the mesh";
+            let help = "fix the normal component of walls that stand along the axes, or leave \"basis\" out";
+            return Err(self.settings.settings.parameters().error(message).help(help).into());
+        }
         let locator = CellLocator::new(grid, self.settings.search_tolerance);
         let kinematics = self.settings.kinematics();
         let plan = Plan {
@@ -126,6 +135,7 @@ impl Scene {
             columns,
             kratos_exact: self.options.kratos_exact,
             explicit: self.settings.explicit.is_some(),
+            mixed: self.settings.mixed.map(|mixed| mixed.volumetric),
             part: &self.settings.part,
             file: self.settings.bodies.file(),
         };
@@ -146,6 +156,9 @@ impl Scene {
     fn columns(&self, requirements: &Requirements) -> Result<Columns, InputErrors> {
         let mut columns = Columns::default();
         let mut errors = InputErrors::default();
+        let mixed = self.settings.mixed.is_some();
+        let of_pressure = if mixed { PRESSURE_VARIABLES } else { &[] };
+        let nodal = || NODAL_VARIABLES.iter().chain(of_pressure).chain(&requirements.provided).copied();
         for wanted in &requirements.variables {
             let name = wanted.variable.as_str();
             let unknown = |names: &mut dyn Iterator<Item = &'static str>| {
@@ -153,7 +166,7 @@ impl Scene {
                 wanted.place.error(message).allowed(name, names)
             };
             match wanted.location {
-                Location::Points => match fields::columns_of(name) {
+                Location::Points => match fields::columns_of(name).filter(|needed| mixed || !needed.pressure) {
                     Some(needed) => columns = columns.or(needed),
                     None => errors.push(unknown(&mut fields::names())),
                 },
@@ -161,10 +174,7 @@ impl Scene {
                     errors.push(unknown(&mut fields::CONDITION_VARIABLES.iter().copied()));
                 }
                 Location::Elements => errors.push(unknown(&mut std::iter::empty())),
-                Location::Nodes if !NODAL_VARIABLES.contains(&name) && !requirements.provided.contains(&name) => {
-                    let names = NODAL_VARIABLES.iter().chain(&requirements.provided);
-                    errors.push(unknown(&mut names.copied()));
-                }
+                Location::Nodes if !nodal().any(|other| other == name) => errors.push(unknown(&mut nodal())),
                 _ => {}
             }
         }

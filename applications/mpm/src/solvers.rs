@@ -9,6 +9,7 @@ use bia_kernel::registry::{Registry, SolverEntry};
 pub fn register(registry: &mut Registry) {
     registry.solver(SolverEntry {
         types: &["static", "quasi_static", "dynamic"],
+        keys: crate::settings::KEYS,
         help: "material point method, updated Lagrangian; dynamic: implicit or explicit",
         build: |parameters, _, options| {
             let settings = SolverSettings::read(parameters, &options.folder)?;

@@ -173,6 +173,15 @@ impl Space {
         &self.functions
     }
 
+    /// The shape of a cell of the mesh, where its own functions serve.
+    #[inline(always)]
+    pub fn shape(&self, cell: usize) -> Option<Shape> {
+        match &self.functions {
+            Functions::Mesh(shapes) => shapes.get(cell).copied(),
+            Functions::Tensor(_) => None,
+        }
+    }
+
     /// Whether functions and nodes of the mesh are the same.
     pub fn is_mesh(&self) -> bool {
         matches!(self.functions, Functions::Mesh(_))

@@ -19,8 +19,10 @@ variables! {
     vector VELOCITY, "m/s", "velocity of a grid node";
     vector ACCELERATION, "m/s²", "acceleration of a grid node";
     vector REACTION, "N", "force that holds a fixed grid node";
+    vector NORMAL, "m or m²", "normal of the walls at a grid node, as long as its share of them";
     scalar NODAL_MASS, "kg", "mass gathered on a grid node";
-    scalar PRESSURE, "Pa", "pressure of a grid node";
+    scalar PRESSURE, "Pa", "mean stress of a grid node, tension positive";
+    scalar PRESSURE_REACTION, "m³", "change of volume that holds a fixed pressure of a grid node";
     vector MP_COORD, "m", "position of a material point";
     vector MP_DISPLACEMENT, "m", "displacement of a material point";
     vector MP_VELOCITY, "m/s", "velocity of a material point";
@@ -40,6 +42,7 @@ variables! {
     scalar MP_MASS, "kg", "mass of a material point";
     scalar MP_VOLUME, "m³", "volume of a material point";
     scalar MP_DENSITY, "kg/m³", "density of a material point";
+    scalar MP_PRESSURE, "Pa", "mean stress of a material point from the nodes, tension positive";
     scalar MP_MATERIAL_ID, "1", "id of the properties of a material point";
     scalar MP_POTENTIAL_ENERGY, "J", "potential energy of a material point";
     scalar MP_KINETIC_ENERGY, "J", "kinetic energy of a material point";

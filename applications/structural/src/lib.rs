@@ -24,6 +24,7 @@ pub fn register(registry: &mut Registry) {
     bia_constitutive::register(registry);
     registry.solver(SolverEntry {
         types: &["structural_static", "structural_dynamic"],
+        keys: settings::KEYS,
         help: "total-Lagrangian finite elements; dynamic: implicit or explicit",
         build: |parameters, _, options| {
             let settings = settings::SolverSettings::read(parameters, &options.folder)?;

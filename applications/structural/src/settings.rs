@@ -11,7 +11,8 @@ use bia_kernel::solving::stepping::TIME_STEPPING;
 use bia_kernel::solving::{MeshSource, Newmark, Newton, Stepping};
 use std::path::Path;
 
-const KEYS: &[Key] = &Key::join::<7, 18, 25>(
+/// Keys of `solver_settings`.
+pub const KEYS: &[Key] = &Key::join::<7, 18, 25>(
     CONVERGENCE,
     [
         Key::required("solver_type", Kind::Text, "structural_static or structural_dynamic"),
@@ -139,7 +140,7 @@ impl SolverSettings {
     /// # Errors
     /// Unknown solver names and keys.
     pub fn linear_method(&self, symmetric: bool) -> Result<Method, InputErrors> {
-        let nature = Nature { symmetric, dimension: self.dimension };
+        let nature = Nature { symmetric, definite: true, dimension: self.dimension };
         linear::method(self.settings.get("linear_solver_settings"), nature)
     }
 }

@@ -32,12 +32,12 @@ pub enum LinearError {
     },
     /// A factorisation went through but its solution does not satisfy the system: the matrix is too ill
     /// conditioned, or not symmetric though a symmetric method was asked for.
-    #[error("the factorisation left a relative residual of {residual:.3e}, most of it at degree of freedom {dof}")]
+    #[error("the factorisation left a backward error of {backward_error:.3e}, at degree of freedom {dof}")]
     Inaccurate {
-        /// Row with the greatest residual.
+        /// Row with the greatest part in the error.
         dof: usize,
-        /// True relative residual `||b - A x|| / ||b||` after refinement.
-        residual: f64,
+        /// Componentwise backward error `max_i |b - A x|_i / (|A| |x| + |b|)_i` after refinement.
+        backward_error: f64,
     },
     /// An entry of the matrix or of the right-hand side is infinite or not a number.
     #[error("an entry in the row of degree of freedom {dof} is not finite")]

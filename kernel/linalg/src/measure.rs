@@ -1,6 +1,6 @@
-//! Timings on cubes of elastic hexahedra, for the thresholds in `automatic`; run with `--ignored --nocapture`.
+//! Timings on boxes of cells, for the thresholds in `automatic`; run with `--ignored --nocapture`.
 
-use crate::test_systems::{elastic_box, vector};
+use crate::test_systems::{MixedBox, elastic_box, vector};
 use crate::{BlockMatrix, BlockPattern, IterativeSettings, LinearSolver, Method, Preconditioner, solver};
 use std::time::Instant;
 
@@ -76,5 +76,31 @@ fn pattern() {
     for _ in 0..5 {
         let work = || drop(BlockPattern::from_cliques(3, 4913, cells.iter().map(|cell| &cell[..])));
         println!("pattern of 4096 hexahedra: {:.2} ms", milliseconds(work));
+    }
+}
+
+/// Displacement-pressure systems of `CELLS` cells along an edge, in `DIMENSION` dimensions.
+#[test]
+#[ignore = "measures, asserts nothing"]
+fn mixed() {
+    for dimension in numbers("DIMENSION", &[2, 3]) {
+        for cells in numbers("CELLS", if dimension == 2 { &[32, 100] } else { &[8, 16] }) {
+            for (bulk, inertia, skew) in [1.0, 1e3, f64::INFINITY]
+                .into_iter()
+                .flat_map(|bulk| [(bulk, 0.0, 0.0), (bulk, 0.0, 0.1), (bulk, 1.0, 0.1)])
+            {
+                // Density over the square of the step, in units of shear modulus over the square of the cell.
+                let inertia = inertia * (cells * cells) as f64;
+                let (a, b) = MixedBox { bulk, inertia, skew, ..MixedBox::new(dimension, cells) }.system();
+                println!(" {dimension}D, {} unknowns, bulk {bulk}, inertia {inertia}, skew {skew}", b.len());
+                let mut x = vec![0.0; b.len()];
+                let preconditioner = Preconditioner::Incomplete;
+                let settings = IterativeSettings { preconditioner, ..IterativeSettings::new(1e-9) };
+                let direct = if skew == 0.0 { Method::Ldlt } else { Method::Lu };
+                for method in [Method::Gmres(settings), direct] {
+                    report(&mut *solver(method), &a, &b, &mut x);
+                }
+            }
+        }
     }
 }

@@ -94,7 +94,7 @@ impl BlockPattern {
     }
 
     /// Indices of the blocks of `row`.
-    pub(crate) fn row(&self, row: usize) -> std::ops::Range<usize> {
+    pub fn row(&self, row: usize) -> std::ops::Range<usize> {
         self.row_start[row] as usize..self.row_start[row + 1] as usize
     }
 

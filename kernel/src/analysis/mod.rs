@@ -2,9 +2,11 @@
 
 mod account;
 mod project;
+mod schema;
 
 pub use account::{Account, RecordPlan, number, peak_memory_mb};
 pub use project::Project;
+pub use schema::project_schema;
 
 use crate::diagnostic::{Diagnostic, InputErrors, Place};
 use crate::error::Error;
@@ -37,7 +39,6 @@ pub struct Analysis {
     pub model: Model,
     solver: Box<dyn Solver>,
     processes: Vec<Box<dyn Process>>,
-    first_output: usize,
     clock: Clock,
     options: RunOptions,
     project: Parameters,
@@ -62,7 +63,6 @@ impl Analysis {
         let mut errors = InputErrors::default();
         let solver = errors.absorb(registry.build_solver(&project.solver, &options));
         let mut processes = solver.as_ref().map_or(Vec::new(), |solver| solver.processes());
-        let own = processes.len();
         for block in project.processes.iter().chain(&project.outputs) {
             processes.extend(errors.absorb(registry.build_process(block, &project.root, &options)));
         }
@@ -105,9 +105,8 @@ impl Analysis {
         let start = project.problem.number("start_time");
         let clock = Clock { start, time: start, end: project.problem.number("end_time"), ..Clock::default() };
         check_time_step(solver.as_mut(), &model, &clock, &project)?;
-        let first_output = own + project.processes.len();
         let project = project.root;
-        Ok(Self { model, solver, processes, first_output, clock, options, project, warnings, stages: Vec::new() })
+        Ok(Self { model, solver, processes, clock, options, project, warnings, stages: Vec::new() })
     }
 
     /// What the scene consists of.
@@ -238,9 +237,9 @@ impl Analysis {
         Ok(())
     }
 
-    /// Lets the output processes print whose time has come.
+    /// Lets the output processes print whose time has come, in whatever list they stand.
     fn print(&mut self) -> Result<(), Error> {
-        for i in self.first_output..self.processes.len() {
+        for i in 0..self.processes.len() {
             let begin = Instant::now();
             let context = Context { model: &mut self.model, clock: &self.clock, options: &self.options };
             if !self.processes[i].is_output_step(&context) {

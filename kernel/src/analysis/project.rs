@@ -3,7 +3,7 @@
 use crate::diagnostic::{InputErrors, nearest};
 use crate::parameters::{Key, Kind, Parameters, Range, Settings, describe};
 
-const PROBLEM_DATA: &[Key] = &[
+pub(super) const PROBLEM_DATA: &[Key] = &[
     Key::new("problem_name", Kind::Text, "\"problem\"", "name of the problem"),
     Key::new("parallel_type", Kind::Choice(&["OpenMP"]), "\"OpenMP\"", "threads of one machine"),
     Key::new("echo_level", Kind::Integer { min: 0 }, "0", "how much is reported"),
@@ -12,12 +12,21 @@ const PROBLEM_DATA: &[Key] = &[
 ];
 
 /// Lists of processes at the root, as projects before 2019 have them, in the order in which they act.
-const LEGACY_LISTS: &[&str] = &["constraints_process_list", "loads_process_list", "list_other_processes", "gravity"];
+pub(super) const LEGACY_LISTS: &[&str] =
+    &["constraints_process_list", "loads_process_list", "list_other_processes", "gravity"];
 /// Other members of the root that are read.
-const MEMBERS: &[&str] =
-    &["problem_data", "solver_settings", "modelers", "analysis_stage", "processes", "output_processes", "kratos_exact"];
+const MEMBERS: &[&str] = &[
+    "$schema",
+    "problem_data",
+    "solver_settings",
+    "modelers",
+    "analysis_stage",
+    "processes",
+    "output_processes",
+    "kratos_exact",
+];
 /// Members that Kratos projects carry and that change nothing here.
-const WITHOUT_EFFECT: &[&str] = &[
+pub(super) const WITHOUT_EFFECT: &[&str] = &[
     "grid_output_configuration",
     "body_output_configuration",
     "print_output_process",

@@ -10,5 +10,6 @@ pub mod json;
 pub mod mdpa;
 mod number;
 pub mod pvd;
+pub mod table;
 pub mod vtk_legacy;
 pub mod vtu;

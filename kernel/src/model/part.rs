@@ -223,6 +223,24 @@ impl ModelPart {
         cells.nodes_of(cell).iter().map(|&n| self.nodes.coordinates[n as usize]).collect()
     }
 
+    /// Normals on the nodes of these conditions, ascending by node: the sum of the conditions' normals,
+    /// each as long as the node's share of the condition's length (m) or area (m²).
+    pub fn nodal_normals(&self, conditions: &[u32]) -> Vec<(u32, [f64; 3])> {
+        let mut sums: BTreeMap<u32, [f64; 3]> = BTreeMap::new();
+        for &condition in conditions {
+            let (shape, nodes) =
+                (self.conditions.shapes[condition as usize], self.conditions.nodes_of(condition as usize));
+            let corners = self.corners(&self.conditions, condition as usize);
+            let normal = shape.normal(&corners, shape.center());
+            let share = shape.reference_measure() / nodes.len() as f64;
+            for &node in nodes {
+                let sum = sums.entry(node).or_default();
+                (0..3).for_each(|a| sum[a] += share * normal[a]);
+            }
+        }
+        sums.into_iter().collect()
+    }
+
     /// For each node the cells of `cells` that hold it, ascending: (starts, cell indices).
     pub fn cells_of_nodes(&self, cells: &Cells) -> (Vec<u32>, Vec<u32>) {
         let mut starts = vec![0u32; self.nodes.len() + 1];

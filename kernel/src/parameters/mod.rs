@@ -7,6 +7,7 @@
 
 mod document;
 mod key;
+pub mod schema;
 mod settings;
 
 pub use document::Document;

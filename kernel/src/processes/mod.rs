@@ -3,6 +3,7 @@
 pub mod assign;
 mod csv_table;
 pub mod json;
+pub mod measure;
 pub mod quantity;
 mod reset;
 mod value;
@@ -16,7 +17,7 @@ use crate::error::Error;
 use crate::model::Model;
 use crate::parameters::Parameters;
 use crate::variables::Variable;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Step and time of the analysis.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -89,6 +90,8 @@ pub struct Requirements {
     pub record: bool,
     /// Nodal variables that processes write.
     pub provided: Vec<&'static str>,
+    /// Files that processes write.
+    pub written: Vec<PathBuf>,
     /// Faults of what processes read and write between them.
     pub faults: InputErrors,
 }
@@ -124,6 +127,15 @@ impl Requirements {
             self.faults.push(place.error(message).help("put this process before it, in an earlier list"));
         }
         self.provided.push(variable);
+    }
+
+    /// Says that the process at `place` writes a file, which no other may write.
+    pub fn write(&mut self, path: &Path, place: &Parameters) {
+        if self.written.iter().any(|other| other == path) {
+            let message = format!("another process writes {}, too", path.display());
+            self.faults.push(place.error(message).help("name another file in \"output_file_settings\""));
+        }
+        self.written.push(path.to_path_buf());
     }
 
     /// True when a variable is wanted at a location.

@@ -3,6 +3,7 @@
 use super::{Location, Requirements, Wanted};
 use crate::diagnostic::InputErrors;
 use crate::io::history::Series;
+use crate::io::table::Heading;
 use crate::parameters::{Parameters, Settings};
 use crate::registry::Registry;
 use crate::variables::{Column, Fields, Rank, Variable};
@@ -63,6 +64,24 @@ impl Quantity {
             (Rank::Voigt, _) => vec![Series { name: self.name.clone(), list: Some(tensor) }],
             (Rank::Tensor, _) => vec![Series { name: self.name.clone(), list: Some(9) }],
             _ => vec![number(self.name.clone())],
+        }
+    }
+
+    /// The columns of a table that hold the `width` numbers of the quantity.
+    pub fn headings(&self, width: usize) -> Vec<Heading> {
+        let names: &[&str] = match (self.variable.rank, self.component, width) {
+            (Rank::Scalar, ..) | (_, Some(_), _) => &[],
+            (Rank::Vector, ..) => &["X", "Y", "Z"],
+            (_, _, 3) => &["XX", "YY", "XY"],
+            (_, _, 4) => &["XX", "YY", "ZZ", "XY"],
+            (_, _, 6) => &["XX", "YY", "ZZ", "XY", "YZ", "XZ"],
+            (_, _, 9) => &["XX", "XY", "XZ", "YX", "YY", "YZ", "ZX", "ZY", "ZZ"],
+            _ => &["XX"],
+        };
+        let unit = self.variable.unit;
+        match names {
+            [] => vec![Heading::new(self.name.clone(), unit)],
+            _ => names.iter().map(|name| Heading::new(format!("{}_{name}", self.name), unit)).collect(),
         }
     }
 

@@ -3,6 +3,10 @@
 use super::{Context, Process};
 use crate::error::Error;
 use crate::variables::Variable;
+use rayon::prelude::*;
+
+/// Nodes that one thread takes at a time.
+const NODES: usize = 4096;
 
 /// Sets vector variables of all nodes of a root part to zero at the start of each step, before
 /// other processes write theirs; what is fixed for good (in the mesh file, say) keeps its value. Solvers whose grid is reset put it at the head of the pipeline.
@@ -21,14 +25,14 @@ impl Process for ResetNodes {
     fn execute_initialize_solution_step(&mut self, context: &mut Context) -> Result<(), Error> {
         if let Some(part) = context.model.part_mut(self.part) {
             for variable in &self.variables {
-                if part.node_fields.vector(variable).is_none() {
-                    continue;
-                }
-                let fixed = part.node_fields.fixed(variable).map_or(Vec::new(), <[_]>::to_vec);
-                for (node, value) in part.node_fields.vector_mut(variable, 0).iter_mut().enumerate() {
-                    let held = fixed.get(node).copied().unwrap_or([false; 3]);
-                    (0..3).filter(|&a| !held[a]).for_each(|a| value[a] = 0.0);
-                }
+                let (values, fixed) = part.node_fields.vector_and_fixed(variable);
+                values.par_chunks_mut(NODES).enumerate().for_each(|(chunk, values)| {
+                    let fixed = fixed.get(chunk * NODES..).unwrap_or_default();
+                    let held = fixed.iter().copied().chain(std::iter::repeat([false; 3]));
+                    for (value, held) in values.iter_mut().zip(held) {
+                        (0..3).for_each(|a| value[a] = if held[a] { value[a] } else { 0.0 });
+                    }
+                });
             }
         }
         Ok(())

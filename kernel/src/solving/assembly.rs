@@ -51,9 +51,25 @@ impl System {
     /// cell, `starts` the start of each cell (one more entry than cells).
     pub fn new(block: usize, rows: usize, cells: Vec<u32>, starts: Vec<u32>) -> Self {
         let cliques = starts.windows(2).map(|range| &cells[range[0] as usize..range[1] as usize]);
-        let pattern = BlockPattern::from_cliques(block, rows, cliques.clone());
+        let pattern = BlockPattern::from_cliques(block, rows, cliques);
+        Self::with_pattern(pattern, cells, starts)
+    }
+
+    /// A system of the same cells, whose matrix couples the nodes of each further clique, too; whoever
+    /// asks for them fills them in.
+    #[must_use]
+    pub fn widened<'a>(&'a self, further: impl Iterator<Item = &'a [u32]>) -> Self {
+        let (block, rows) = (self.matrix.pattern.block(), self.matrix.pattern.rows());
+        let cliques = self.starts.windows(2).map(|range| &self.cells[range[0] as usize..range[1] as usize]);
+        let cliques: Vec<&[u32]> = cliques.chain(further).collect();
+        let pattern = BlockPattern::from_cliques(block, rows, cliques.iter().copied());
+        Self::with_pattern(pattern, self.cells.clone(), self.starts.clone())
+    }
+
+    fn with_pattern(pattern: BlockPattern, cells: Vec<u32>, starts: Vec<u32>) -> Self {
         let (mut places, mut place_starts) = (Vec::new(), vec![0]);
-        for clique in cliques {
+        for range in starts.windows(2) {
+            let clique = &cells[range[0] as usize..range[1] as usize];
             for &row in clique {
                 for &column in clique {
                     // Every pair of a clique is in the pattern that was made of the cliques.
@@ -62,8 +78,8 @@ impl System {
             }
             place_starts.push(places.len());
         }
+        let rhs = vec![0.0; pattern.order()];
         let pattern = Arc::new(pattern);
-        let rhs = vec![0.0; block * rows];
         Self { matrix: BlockMatrix::new(pattern), rhs, cells, starts, places, place_starts, buffers: Vec::new() }
     }
 

@@ -1,6 +1,7 @@
 //! When Newton's method has converged.
 
 use super::ActiveDofs;
+use std::ops::Range;
 
 /// Relative and absolute bounds.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -60,6 +61,98 @@ impl Criterion {
     }
 }
 
+/// Dofs of one kind, judged apart: forces and volumes, say, have units that cannot be compared.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Field {
+    /// Their components among those of a node.
+    pub components: Range<usize>,
+    /// What their residual is measured by.
+    pub reference: Reference,
+}
+
+/// What the residual of a field is measured by.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Reference {
+    /// Its norm at the start of the step, or the absolute tolerances.
+    First,
+    /// Its largest norm in the step so far: a constraint that holds at the start has no residual
+    /// there. No less than 1e-10 of this scale counts, and 1e-15 of it is round-off.
+    Largest(f64),
+}
+
+/// References of the fields in one step.
+#[derive(Debug, Clone, Default)]
+pub struct References {
+    values: Vec<f64>,
+}
+
+impl References {
+    /// Takes note of a residual of the step.
+    pub fn note(&mut self, fields: &[Field], dofs: &ActiveDofs, residual: &[f64]) {
+        let is_first = self.values.is_empty();
+        self.values.resize(fields.len(), 0.0);
+        for (value, field) in self.values.iter_mut().zip(fields) {
+            let norm = || field_norm(dofs, &field.components, residual).0;
+            match field.reference {
+                Reference::First if is_first => *value = norm(),
+                Reference::First => {}
+                Reference::Largest(scale) => *value = value.max(norm()).max(1e-10 * scale),
+            }
+        }
+    }
+}
+
+impl Criterion {
+    /// As [`met`](Self::met), each field apart.
+    pub fn met_by_fields(
+        &self,
+        fields: &[Field],
+        references: &References,
+        dofs: &ActiveDofs,
+        [residual, correction, values]: [&[f64]; 3],
+    ) -> bool {
+        let by_residual = |tolerances: &Tolerances| {
+            fields.iter().zip(&references.values).all(|(field, reference)| {
+                let (now, count) = field_norm(dofs, &field.components, residual);
+                match field.reference {
+                    Reference::First if *reference < f64::EPSILON => true,
+                    Reference::First => tolerances.met(now / reference, now / count.max(1) as f64),
+                    Reference::Largest(scale) => now <= (tolerances.relative * reference).max(1e-15 * scale),
+                }
+            })
+        };
+        let by_displacement = |tolerances: &Tolerances| {
+            fields.iter().all(|field| {
+                let (step, count) = field_norm(dofs, &field.components, correction);
+                let size = field_norm(dofs, &field.components, values).0;
+                let ratio = if step == 0.0 { 0.0 } else { step / if size < f64::EPSILON { step } else { size } };
+                let is_first = field.reference == Reference::First;
+                let absolute = if is_first { step / (count.max(1) as f64).sqrt() } else { f64::INFINITY };
+                tolerances.met(ratio, absolute)
+            })
+        };
+        match self {
+            Criterion::Residual(r) => by_residual(r),
+            Criterion::Displacement(d) => by_displacement(d),
+            Criterion::And(d, r) => by_displacement(d) && by_residual(r),
+            Criterion::Or(d, r) => by_displacement(d) || by_residual(r),
+        }
+    }
+}
+
+/// Euclidean norm over the free dofs of these components, and their number.
+fn field_norm(dofs: &ActiveDofs, components: &Range<usize>, vector: &[f64]) -> (f64, usize) {
+    let block = dofs.block().max(1);
+    let (mut sum, mut count) = (0.0, 0);
+    for (values, fixed) in vector.chunks_exact(block).zip(dofs.fixed().chunks_exact(block)) {
+        for a in components.clone().filter(|&a| !fixed[a]) {
+            sum += values[a] * values[a];
+            count += 1;
+        }
+    }
+    (sum.sqrt(), count)
+}
+
 /// Euclidean norm over the free dofs.
 pub fn free_norm(dofs: &ActiveDofs, vector: &[f64]) -> f64 {
     vector.iter().zip(dofs.fixed()).filter(|(_, fixed)| !**fixed).map(|(x, _)| x * x).sum::<f64>().sqrt()
@@ -84,5 +177,30 @@ mod tests {
         assert!(!Criterion::Displacement(t(0.09, 0.25)).met(&dofs, 50.0, &r, &dx, &x));
         assert!(!Criterion::And(t(0.2, 0.0), t(0.01, 0.0)).met(&dofs, 50.0, &r, &dx, &x));
         assert!(Criterion::Or(t(0.2, 0.0), t(0.01, 0.0)).met(&dofs, 50.0, &r, &dx, &x));
+    }
+
+    /// Forces of 100 N hide a volume of 1e-3 m³ in a common norm, but not in one of its own.
+    #[test]
+    fn fields_are_judged_apart() {
+        let dofs = ActiveDofs::new(2, &[true; 2]);
+        let fields = [
+            Field { components: 0..1, reference: Reference::First },
+            Field { components: 1..2, reference: Reference::Largest(1.0) },
+        ];
+        let criterion = Criterion::Residual(Tolerances { relative: 1e-3, absolute: 0.0 });
+        let mut references = References::default();
+        references.note(&fields, &dofs, &[60.0, 0.0, 80.0, 0.0]);
+        let met = |references: &References, r: [f64; 4]| {
+            criterion.met_by_fields(&fields, references, &dofs, [&r, &[0.0; 4], &[0.0; 4]])
+        };
+        assert!(criterion.met(&dofs, 100.0, &[0.0, 1e-3, 0.0, 0.0], &[0.0; 4], &[0.0; 4]));
+        assert!(!met(&references, [0.0, 1e-3, 0.0, 0.0]));
+        references.note(&fields, &dofs, &[0.0, 1e-3, 0.0, 0.0]);
+        assert!(met(&references, [0.1, 1e-6, 0.0, 0.0]));
+        assert!(!met(&references, [0.1, 1.01e-6, 0.0, 0.0]) && !met(&references, [0.101, 0.0, 0.0, 0.0]));
+        // Without any residual of their own volumes are held to their scale.
+        let mut quiet = References::default();
+        quiet.note(&fields, &dofs, &[60.0, 0.0, 80.0, 0.0]);
+        assert!(met(&quiet, [0.0, 0.9e-13, 0.0, 0.0]) && !met(&quiet, [0.0, 1.1e-13, 0.0, 0.0]));
     }
 }

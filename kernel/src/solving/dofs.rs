@@ -72,6 +72,11 @@ impl ActiveDofs {
         &mut self.fixed
     }
 
+    /// The active nodes, and which of their dofs are fixed, to be changed.
+    pub fn nodes_and_fixed_mut(&mut self) -> (&[u32], &mut [bool]) {
+        (&self.nodes, &mut self.fixed)
+    }
+
     /// Values of a cell's nodes out of a vector over the dofs; zeros if it is empty.
     #[inline]
     pub fn gather<const D: usize, const N: usize>(&self, nodes: &[u32], values: &[f64]) -> [[f64; D]; N] {

@@ -2,16 +2,8 @@
 
 use crate::diagnostic::InputErrors;
 use crate::parameters::{Key, Kind, Parameters, Range};
-use bia_linalg::{IterativeSettings, Method};
-
-/// What a system is like, so that a fitting method is chosen.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Nature {
-    /// The matrix is symmetric.
-    pub symmetric: bool,
-    /// Dimension of space.
-    pub dimension: usize,
-}
+pub use bia_linalg::Nature;
+use bia_linalg::{IterativeSettings, Method, Preconditioner};
 
 /// Keys that Kratos's linear solvers take; those without a meaning here are accepted.
 const KEYS: &[Key] = &[
@@ -55,31 +47,25 @@ const DIRECT: &[&str] = &[
     "mixedup",
 ];
 const SYMMETRIC_DIRECT: &[&str] = &["sparse_cg_direct", "pardiso_ldlt", "pardiso_llt", "cholesky", "ldlt"];
-const ITERATIVE: &[&str] = &[
-    "amgcl",
-    "amgcl_raw",
-    "amgcl_ns_solver",
-    "cg",
-    "bicgstab",
-    "gmres",
-    "sparse_cg",
-    "tfqmr",
-    "deflated_cg",
-    "fgmres",
-];
+const MULTIGRID: &[&str] = &["amgcl", "amgcl_raw", "amgcl_ns_solver"];
+const KRYLOV: &[&str] = &["cg", "bicgstab", "gmres", "sparse_cg", "tfqmr", "deflated_cg", "fgmres"];
 
 /// The method for `linear_solver_settings`; none given means automatic.
 ///
 /// A direct solver is a direct one here too, but the factorisation that fits the system is used;
 /// large 3D systems asked of an iterative one are solved by it, small ones directly, which is
-/// both faster and more exact.
+/// both faster and more exact. Displacement-pressure systems are indefinite: direct solvers begin with `L D L^T` or LU,
+/// and all Krylov methods become GMRES on the equilibrated matrix, so that rows of small units count.
 ///
 /// # Errors
 /// Unknown names and keys.
 pub fn method(parameters: Option<&Parameters>, nature: Nature) -> Result<Method, InputErrors> {
-    let exact = if nature.symmetric { Method::Symmetric } else { Method::Lu };
-    let automatic =
-        |tolerance: f64| Method::Automatic { symmetric: nature.symmetric, dimension: nature.dimension, tolerance };
+    let exact = match (nature.symmetric, nature.definite) {
+        (true, true) => Method::Symmetric,
+        (true, false) => Method::Ldlt,
+        (false, _) => Method::Lu,
+    };
+    let automatic = |tolerance: f64| Method::Automatic { nature, tolerance };
     let Some(parameters) = parameters.filter(|p| p.value().as_object().is_none_or(|o| !o.is_empty())) else {
         return Ok(automatic(1e-9));
     };
@@ -90,15 +76,18 @@ pub fn method(parameters: Option<&Parameters>, nature: Nature) -> Result<Method,
     let max_iterations = settings.integer("max_iteration") as usize;
     let iterative = IterativeSettings { maximum_iterations: max_iterations, ..IterativeSettings::new(tolerance) };
     match name.as_str() {
-        "automatic" | "amgcl" | "amgcl_raw" | "amgcl_ns_solver" => Ok(automatic(tolerance)),
-        "cg" | "sparse_cg" | "deflated_cg" if nature.symmetric => Ok(Method::ConjugateGradient(iterative)),
-        "cg" | "sparse_cg" | "deflated_cg" | "bicgstab" | "gmres" | "fgmres" | "tfqmr" => {
-            Ok(Method::BiCgStab(iterative))
+        "automatic" => Ok(automatic(tolerance)),
+        multigrid if MULTIGRID.contains(&multigrid) => Ok(automatic(tolerance)),
+        krylov if !nature.definite && KRYLOV.contains(&krylov) => {
+            Ok(Method::Gmres(IterativeSettings { preconditioner: Preconditioner::Incomplete, ..iterative }))
         }
+        "cg" | "sparse_cg" | "deflated_cg" if nature.symmetric => Ok(Method::ConjugateGradient(iterative)),
+        krylov if KRYLOV.contains(&krylov) => Ok(Method::BiCgStab(iterative)),
         "lu" => Ok(Method::Lu),
         direct if DIRECT.contains(&direct) || SYMMETRIC_DIRECT.contains(&direct) => Ok(exact),
         _ => {
-            let names = ["automatic", "lu"].iter().chain(DIRECT).chain(SYMMETRIC_DIRECT).chain(ITERATIVE).copied();
+            let lists = [&["automatic", "lu"], DIRECT, SYMMETRIC_DIRECT, MULTIGRID, KRYLOV];
+            let names = lists.into_iter().flatten().copied();
             Err(settings
                 .error("solver_type", format!("there is no linear solver {given:?}"))
                 .allowed(&name, names)
@@ -115,8 +104,24 @@ mod tests {
 
     fn chosen(text: &str, symmetric: bool) -> Result<String, InputErrors> {
         let parameters = Parameters::root(Document::parse(Path::new("p"), text.into())?);
-        let nature = Nature { symmetric, dimension: 2 };
+        let nature = Nature { symmetric, definite: true, dimension: 2 };
         method(Some(&parameters), nature).map(|m| format!("{m:?}"))
+    }
+
+    #[test]
+    fn saddle_points_get_methods_for_indefinite_matrices() {
+        for (text, symmetric, expected) in [
+            (r#"{"solver_type": "skyline_lu_factorization"}"#, true, "Ldlt"),
+            (r#"{"solver_type": "pardiso_lu"}"#, false, "Lu"),
+            (r#"{"solver_type": "cg"}"#, true, "Gmres"),
+            (r#"{"solver_type": "bicgstab"}"#, false, "Gmres"),
+            (r#"{"solver_type": "amgcl"}"#, false, "Automatic"),
+        ] {
+            let parameters = Parameters::root(Document::parse(Path::new("p"), text.into()).unwrap());
+            let nature = Nature { symmetric, definite: false, dimension: 3 };
+            let chosen = format!("{:?}", method(Some(&parameters), nature).unwrap());
+            assert!(chosen.starts_with(expected), "{text}: {chosen}");
+        }
     }
 
     #[test]

@@ -6,6 +6,7 @@
 pub mod assembly;
 pub mod criteria;
 pub mod dofs;
+pub mod frames;
 pub mod linear;
 pub mod loads;
 pub mod mesh;
@@ -16,8 +17,9 @@ pub mod solver;
 pub mod stepping;
 
 pub use assembly::{CellBuffer, System};
-pub use criteria::{Criterion, Tolerances};
+pub use criteria::{Criterion, Field, Reference, References, Tolerances};
 pub use dofs::ActiveDofs;
+pub use frames::NodalFrames;
 pub use mesh::MeshSource;
 pub use newton::{Newton, NonlinearSystem, StepReport};
 pub use scheme::Newmark;

@@ -1,7 +1,7 @@
 //! Newton's method on the dofs of active nodes.
 
 use super::criteria::free_norm;
-use super::{ActiveDofs, Criterion, System, Tolerances};
+use super::{ActiveDofs, Criterion, Field, References, System, Tolerances};
 use crate::error::{Error, Failure};
 use crate::parameters::{Key, Kind, Range, Settings};
 use bia_linalg::{LinearError, LinearSolver};
@@ -24,6 +24,11 @@ pub trait NonlinearSystem {
 
     /// The current unknowns, as the displacement criterion sees them.
     fn unknowns(&self) -> &[f64];
+
+    /// Kinds of dofs whose convergence is judged apart; none to judge all together.
+    fn fields(&self) -> &[Field] {
+        &[]
+    }
 
     /// Id and place of a dof, for messages.
     fn describe_dof(&self, dof: usize) -> (String, [f64; 3]);
@@ -109,8 +114,10 @@ impl Newton {
         let mut report = StepReport { converged: true, ..StepReport::default() };
         let mut correction = vec![0.0; problem.dofs().order()];
         let mut initial = None;
+        let mut references = References::default();
         loop {
             timed(&mut report.assembly, || problem.assemble(system, true))?;
+            references.note(problem.fields(), problem.dofs(), &system.rhs);
             let initial = *initial.get_or_insert_with(|| free_norm(problem.dofs(), &system.rhs));
             if !initial.is_finite() {
                 return Err(not_finite(problem, &system.rhs).into());
@@ -133,7 +140,13 @@ impl Newton {
                     return Err(not_finite(problem, &system.rhs).into());
                 }
             }
-            report.converged = criterion.met(problem.dofs(), initial, &system.rhs, &correction, problem.unknowns());
+            let (fields, dofs) = (problem.fields(), problem.dofs());
+            report.converged = if fields.is_empty() {
+                criterion.met(dofs, initial, &system.rhs, &correction, problem.unknowns())
+            } else {
+                let vectors = [&system.rhs, &correction, problem.unknowns()];
+                criterion.met_by_fields(fields, &references, dofs, vectors)
+            };
             if report.converged || report.iterations >= self.max_iterations {
                 return Ok(report);
             }

@@ -1,14 +1,15 @@
 //! Parallel work whose results are added one after the other, in a fixed order.
 
 use rayon::prelude::*;
+use std::ops::Range;
 
-/// Items computed together before they are added: enough to keep threads busy, few enough for the
-/// second-level cache.
-const BATCH: usize = 64;
+/// Items that each thread computes before they are added: enough to keep threads busy, few enough for
+/// the second-level cache.
+const ITEMS: usize = 6;
 
-/// Computes items `0..count` in parallel, a batch at a time, each into a buffer, and adds the
-/// buffers one after the other: sums have the same bits for every number of threads. `buffers`
-/// is kept by the caller so that nothing is allocated again.
+/// Computes items `0..count` in parallel, a batch at a time, each into a buffer, and adds the buffers
+/// one after the other while the next batch is computed: sums have the same bits for every number of
+/// threads. `buffers` is kept by the caller so that nothing is allocated again.
 ///
 /// # Errors
 /// The error of the first item, in their order, that fails.
@@ -16,23 +17,33 @@ pub fn in_order<B: Default + Send, E: Send>(
     count: usize,
     buffers: &mut Vec<B>,
     compute: impl Fn(usize, &mut B) -> Result<(), E> + Sync,
-    mut add: impl FnMut(usize, &B),
+    mut add: impl FnMut(usize, &B) + Send,
 ) -> Result<(), E> {
-    if buffers.len() < BATCH.min(count) {
-        buffers.resize_with(BATCH.min(count), B::default);
+    let threads = rayon::current_num_threads();
+    let batch = if threads > 1 { ITEMS * threads } else { 1 }.min(count);
+    if buffers.len() < 2 * batch {
+        buffers.resize_with(2 * batch, B::default);
     }
-    for first in (0..count).step_by(BATCH) {
-        let batch = &mut buffers[..BATCH.min(count - first)];
-        let compute_one = |(i, buffer): (usize, &mut B)| compute(first + i, buffer);
-        if rayon::current_num_threads() > 1 {
-            let results: Vec<Result<(), E>> = batch.par_iter_mut().enumerate().map(compute_one).collect();
-            results.into_iter().collect::<Result<(), E>>()?;
-        } else {
-            batch.iter_mut().enumerate().try_for_each(compute_one)?;
-        }
-        for (i, buffer) in batch.iter().enumerate() {
-            add(first + i, buffer);
-        }
+    if threads == 1 {
+        // What was just computed is still in the first cache.
+        return (0..count).try_for_each(|i| {
+            compute(i, &mut buffers[0])?;
+            add(i, &buffers[0]);
+            Ok(())
+        });
+    }
+    let fill = |items: Range<usize>, buffers: &mut [B]| {
+        let computed = buffers[..items.len()].par_iter_mut().enumerate();
+        computed.map(|(i, buffer)| compute(items.start + i, buffer)).find_map_first(Result::err).map_or(Ok(()), Err)
+    };
+    let (mut present, mut next) = buffers.split_at_mut(batch);
+    fill(0..batch, present)?;
+    for first in (0..count).step_by(batch.max(1)) {
+        let end = count.min(first + batch);
+        let add_all = || present.iter_mut().zip(first..end).for_each(|(buffer, i)| add(i, buffer));
+        let ((), filled) = rayon::join(add_all, || fill(end..count.min(end + batch), next));
+        filled?;
+        std::mem::swap(&mut present, &mut next);
     }
     Ok(())
 }

@@ -171,7 +171,7 @@ impl<'a, B: CellOf<'a, D, N>, const D: usize, const N: usize> AddAffine<'a, '_, 
     }
 }
 
-/// Σ N v ⊗ (x_i − x_p) at points in step, present places.
+/// Σ N v ⊗ (x_i − x_p) at points in step, present places, x_p = Σ N x_i.
 pub(super) struct Moments<'a, B, const D: usize, const N: usize> {
     /// The functions.
     pub(super) basis: &'a B,
@@ -181,8 +181,8 @@ pub(super) struct Moments<'a, B, const D: usize, const N: usize> {
     pub(super) numbers: &'a [u32],
     /// Velocity and displacement of the nodes.
     pub(super) fields: [&'a [f64]; 2],
-    /// Local coordinates and positions of the points.
-    pub(super) points: [[Pack; D]; 2],
+    /// Local coordinates of the points.
+    pub(super) xi: [Pack; D],
     /// Where the moments go.
     pub(super) out: &'a mut Tensor<Pack>,
 }
@@ -200,13 +200,19 @@ impl<B: CellBasis<D, N>, const D: usize, const N: usize> pulp::WithSimd for Mome
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Moments { basis, cell: (space, cell), numbers, fields: [velocity, displacement], points, out } = self;
+        let Moments { basis, cell: (space, cell), numbers, fields: [velocity, displacement], xi, out } = self;
         let places = places::<D, N>(space, cell, numbers, displacement);
-        let (mut xi, mut position) = ([Lanes::splat(simd, 0.0); D], [Lanes::splat(simd, 0.0); D]);
+        let zero = Lanes::splat(simd, 0.0);
+        let (mut at, mut position) = ([zero; D], [zero; D]);
         for a in 0..D {
-            (xi[a], position[a]) = (Lanes::load(simd, &points[0][a]), Lanes::load(simd, &points[1][a]));
+            at[a] = Lanes::load(simd, &xi[a]);
         }
-        let functions = basis.functions(&xi);
+        let functions = basis.functions(&at);
+        for i in 0..turns::<N>() {
+            for a in 0..D {
+                position[a] += functions[i] * places[i][a];
+            }
+        }
         for b in 0..D {
             let mut column = [position[0].constant(0.0); D];
             for i in 0..turns::<N>() {

@@ -87,6 +87,11 @@ impl KratosFaults {
         self.0
     }
 
+    /// Walls to slide along do not act in explicit runs of Kratos.
+    pub fn ignores_walls(self) -> bool {
+        self.0
+    }
+
     /// Kratos holds nodes with an imposed displacement, whatever its value.
     pub fn imposed_velocity(self, displacement: f64, time_step: f64) -> f64 {
         if self.0 { 0.0 } else { displacement / time_step }

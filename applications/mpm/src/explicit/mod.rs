@@ -135,7 +135,9 @@ impl Explicit {
         self.patches.renew(&self.scene.space, &self.active, &self.nodes.dofs);
         if self.settings.consistent_mass {
             let (active, space, dofs) = (&self.active, &self.scene.space, &self.nodes.dofs);
-            self.system = Some(ConsistentMass { blocks: &points.blocks, active, space, dofs }.system());
+            self.system = Some(
+                ConsistentMass { blocks: &points.blocks, active, space, dofs, frames: &self.nodes.frames }.system(),
+            );
         }
         let sizes = self.active.cells.iter().map(|&cell| self.limits.sizes[cell as usize]);
         self.limits.smallest = sizes.fold(f64::INFINITY, f64::min);

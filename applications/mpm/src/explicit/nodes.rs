@@ -7,16 +7,22 @@ use crate::space::Space;
 use crate::variables::DISPLACEMENT;
 use bia_kernel::error::Failure;
 use bia_kernel::model::ModelPart;
-use bia_kernel::solving::ActiveDofs;
+use bia_kernel::solving::{ActiveDofs, NodalFrames};
+use rayon::prelude::*;
 
 /// Share of the largest mass by which one may be negative: points may stand a little outside their cells.
 const NEGLIGIBLE: f64 = 1e-5;
+
+/// Nodes that one thread takes at a time.
+const NODES: usize = 2048;
 
 /// State of the active nodes; all vectors by active dof but `mass`, which `sums` holds by node.
 #[derive(Default)]
 pub struct Nodes {
     /// Numbers of the active nodes; fixed components.
     pub dofs: ActiveDofs,
+    /// Frames of nodes that slide along walls.
+    pub frames: NodalFrames,
     /// Mass, momentum, force.
     pub sums: NodalSums,
     /// Velocity; after the step, the one that deformed the points last.
@@ -44,17 +50,22 @@ impl Nodes {
         self.dofs = space.active_dofs(&active.cells, dimension);
     }
 
-    /// Sets all to zero and reads the fixed components. A displacement u imposed on one acts as the
+    /// Sets sums to zero and reads the fixed components. A displacement u imposed on one acts as the
     /// velocity u/Δt; its acceleration is the change of that velocity since the last step.
     pub fn start(&mut self, grid: &ModelPart, space: &Space, time_step: f64, faults: KratosFaults) {
         self.sums.reset(&self.dofs);
         let (order, block) = (self.dofs.order(), self.dofs.block());
-        for values in [&mut self.velocity, &mut self.acceleration, &mut self.imposed] {
-            values.clear();
+        for values in [&mut self.velocity, &mut self.acceleration, &mut self.imposed, &mut self.reaction] {
             values.resize(order, 0.0);
         }
-        self.dofs.fixed_mut().fill(false);
-        let Some(fixed) = grid.node_fields.fixed(&DISPLACEMENT) else { return };
+        self.fix(grid, space, time_step, faults);
+        let slides = if faults.ignores_walls() { &[] } else { grid.node_fields.slides(&DISPLACEMENT) };
+        self.frames = NodalFrames::new(block, &self.dofs, slides);
+    }
+
+    fn fix(&mut self, grid: &ModelPart, space: &Space, time_step: f64, faults: KratosFaults) {
+        let block = self.dofs.block();
+        let Some(fixed) = grid.node_fields.fixed(&DISPLACEMENT) else { return self.dofs.fixed_mut().fill(false) };
         if !space.is_mesh() && self.fixed != fixed {
             (self.fixed, self.held) = (fixed.to_vec(), space.held(fixed).into_owned());
         }
@@ -62,20 +73,30 @@ impl Nodes {
         let values = space.at_anchors(grid.node_fields.vector(&DISPLACEMENT).unwrap_or_default());
         let imposed =
             |node: usize, a: usize| values.get(node).map_or(0.0, |u| faults.imposed_velocity(u[a], time_step));
-        for number in 0..self.dofs.nodes().len() {
-            let node = self.dofs.nodes()[number] as usize;
-            for a in (0..block).filter(|&a| fixed[node][a]) {
-                let dof = number * block + a;
-                self.dofs.fixed_mut()[dof] = true;
-                self.imposed[dof] = imposed(node, a);
-                let last = self.last.get(node).map_or(f64::NAN, |last| last[a]);
-                if last.is_finite() {
-                    self.acceleration[dof] = (self.imposed[dof] - last) / time_step;
+        let (nodes, holds) = self.dofs.nodes_and_fixed_mut();
+        let of_dofs = holds.par_chunks_mut(block * NODES).zip(self.acceleration.par_chunks_mut(block * NODES));
+        let of_dofs = of_dofs.zip(self.imposed.par_chunks_mut(block * NODES));
+        let moves = nodes.par_chunks(NODES).zip(of_dofs).map(|(nodes, ((holds, accelerations), velocities))| {
+            let mut moves = false;
+            for (number, &node) in nodes.iter().enumerate() {
+                let node = node as usize;
+                for a in 0..block {
+                    let dof = number * block + a;
+                    holds[dof] = fixed[node][a];
+                    if fixed[node][a] {
+                        velocities[dof] = imposed(node, a);
+                        let last = self.last.get(node).map_or(f64::NAN, |last| last[a]);
+                        let change = if last.is_finite() { velocities[dof] - last } else { 0.0 };
+                        accelerations[dof] = change / time_step;
+                        moves |= velocities[dof] != 0.0;
+                    }
                 }
             }
-        }
+            moves
+        });
+        let moves = moves.reduce(|| false, |a, b| a | b);
         // Only walls that move are remembered, and all their nodes, active or not.
-        if !self.last.is_empty() || self.imposed.iter().any(|v| *v != 0.0) {
+        if !self.last.is_empty() || moves {
             self.last.resize(space.len(), [f64::NAN; 3]);
             for (node, last) in self.last.iter_mut().enumerate() {
                 *last = std::array::from_fn(|a| if fixed[node][a] { imposed(node, a) } else { f64::NAN });
@@ -88,9 +109,10 @@ impl Nodes {
     /// # Errors
     /// A function whose lumped mass is negative: with polynomials of degree 2 and more that change sign.
     pub fn weigh(&mut self, faults: KratosFaults) -> Result<(), Failure> {
-        let largest = self.sums.mass.iter().copied().fold(0.0, f64::max);
+        let bounds = |masses: &[f64]| masses.iter().fold((0.0, 0.0), |(low, high), m| (m.min(low), m.max(high)));
+        let widen = |a: (f64, f64), b: (f64, f64)| (a.0.min(b.0), a.1.max(b.1));
+        let (least, largest) = self.sums.mass.par_chunks(NODES).map(bounds).reduce(|| (0.0, 0.0), widen);
         self.least_mass = faults.least_mass(largest);
-        let least = self.sums.mass.iter().copied().fold(0.0, f64::min);
         if least >= -NEGLIGIBLE * largest {
             return Ok(());
         }
@@ -99,25 +121,35 @@ impl Nodes {
         Err(Failure::new(what, advice))
     }
 
-    fn mass(&self, dof: usize) -> Option<f64> {
-        Some(self.sums.mass[dof / self.dofs.block()]).filter(|mass| *mass > self.least_mass)
-    }
-
     /// Velocity from momentum, imposed where fixed.
     pub fn find_velocity(&mut self) {
-        for dof in 0..self.dofs.order() {
-            self.velocity[dof] = match (self.dofs.fixed()[dof], self.mass(dof)) {
-                (true, _) => self.imposed[dof],
-                (false, Some(mass)) => self.sums.momentum[dof] / mass,
-                (false, None) => 0.0,
-            };
-        }
+        let (sums, block, fixed) = (&self.sums, self.dofs.block(), self.dofs.fixed());
+        let (least, imposed) = (self.least_mass, &self.imposed);
+        self.velocity.par_chunks_mut(block * NODES).enumerate().for_each(|(chunk, velocity)| {
+            for (node, velocity) in (chunk * NODES..).zip(velocity.chunks_exact_mut(block)) {
+                let mass = sums.mass[node];
+                for (dof, v) in (node * block..).zip(velocity) {
+                    let free = if mass > least { sums.momentum[dof] / mass } else { 0.0 };
+                    *v = if fixed[dof] { imposed[dof] } else { free };
+                }
+            }
+        });
+        self.frames.slide(&mut self.velocity);
+    }
+
+    /// Lets the points be carried by the velocity as it is now.
+    pub fn carry(&mut self) {
+        self.carrying.resize(self.velocity.len(), 0.0);
+        let carrying = self.carrying.par_chunks_mut(NODES).zip(self.velocity.par_chunks(NODES));
+        carrying.for_each(|(to, from)| to.copy_from_slice(from));
     }
 
     /// Momentum over mass, whatever is imposed.
     pub fn mean_velocity(&self) -> Vec<f64> {
-        let of = |dof: usize| self.mass(dof).map_or(0.0, |mass| self.sums.momentum[dof] / mass);
-        (0..self.dofs.order()).map(of).collect()
+        let (sums, block) = (&self.sums, self.dofs.block());
+        let mass = |dof: usize| Some(sums.mass[dof / block]).filter(|mass| *mass > self.least_mass);
+        let of = |dof: usize| mass(dof).map_or(0.0, |mass| sums.momentum[dof] / mass);
+        (0..self.dofs.order()).into_par_iter().with_min_len(NODES).map(of).collect()
     }
 
     /// Replaces the accelerations of the free dofs.
@@ -127,22 +159,40 @@ impl Nodes {
                 *acceleration = accelerations[dof];
             }
         }
+        self.frames.slide(&mut self.acceleration);
     }
 
     /// Accelerations, reactions, and momentum after the time `impulse`.
     pub fn accelerate(&mut self, impulse: f64) {
-        self.reaction.clear();
-        self.reaction.resize(self.dofs.order(), 0.0);
-        for dof in 0..self.dofs.order() {
-            let mass = self.mass(dof);
-            if self.dofs.fixed()[dof] {
-                let mass = mass.unwrap_or(0.0);
-                self.reaction[dof] = mass * self.acceleration[dof] - self.sums.force[dof];
-                self.sums.momentum[dof] = mass * self.imposed[dof];
-            } else {
-                self.acceleration[dof] = mass.map_or(0.0, |mass| self.sums.force[dof] / mass);
-                self.sums.momentum[dof] += impulse * self.sums.force[dof];
+        let (block, fixed, least) = (self.dofs.block(), self.dofs.fixed(), self.least_mass);
+        let (mass, force, imposed) = (&self.sums.mass, &self.sums.force, &self.imposed);
+        let momentum = self.sums.momentum.par_chunks_mut(block * NODES);
+        let answers = self.acceleration.par_chunks_mut(block * NODES).zip(self.reaction.par_chunks_mut(block * NODES));
+        momentum.zip(answers).enumerate().for_each(|(chunk, (momentum, (acceleration, reaction)))| {
+            for (i, &mass) in mass[chunk * NODES..].iter().enumerate().take(momentum.len() / block) {
+                let mass = if mass > least { mass } else { 0.0 };
+                for own in i * block..(i + 1) * block {
+                    let dof = chunk * NODES * block + own;
+                    if fixed[dof] {
+                        reaction[own] = mass * acceleration[own] - force[dof];
+                        momentum[own] = mass * imposed[dof];
+                    } else {
+                        reaction[own] = 0.0;
+                        acceleration[own] = if mass > 0.0 { force[dof] / mass } else { 0.0 };
+                        momentum[own] += impulse * force[dof];
+                    }
+                }
             }
+        });
+        if self.frames.is_empty() {
+            return;
         }
+        self.frames.slide(&mut self.acceleration);
+        self.frames.slide(&mut self.sums.momentum);
+        for dof in 0..self.dofs.order() {
+            let mass = Some(self.sums.mass[dof / block]).filter(|mass| *mass > least).unwrap_or(0.0);
+            self.reaction[dof] = mass * self.acceleration[dof] - self.sums.force[dof];
+        }
+        self.frames.keep_held(&self.dofs, &mut self.reaction);
     }
 }

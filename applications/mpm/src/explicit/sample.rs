@@ -240,9 +240,8 @@ impl<'a, B: CellOf<'a, D, N>, const D: usize, const N: usize> pulp::WithSimd for
                 }
                 if fields.affine == Affine::Moments {
                     let fields = [fields.smooth, fields.displacement];
-                    let (points, out) = ([packs(&xi), packs(&position)], &mut sample.affine);
-                    let cell = (&cell.basis, (grid.space, id as usize));
-                    Moments { basis: cell.0, cell: cell.1, numbers, fields, points, out }.find(simd);
+                    let (cell, out) = ((&cell.basis, (grid.space, id as usize)), &mut sample.affine);
+                    Moments { basis: cell.0, cell: cell.1, numbers, fields, xi: packs(&xi), out }.find(simd);
                 }
             }
         }

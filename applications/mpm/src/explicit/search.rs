@@ -10,15 +10,20 @@ use crate::settings::{Basis, Discretisation, Frame};
 use bia_kernel::error::Error;
 use bia_kernel::model::ModelPart;
 use bia_kernel::with_shape;
+use rayon::prelude::*;
 
 /// Order is restored when points of one cell lie, on average, in more runs than this.
 const RUNS_PER_CELL: f64 = 1.25;
+
+/// Points that one thread looks for at a time.
+const LEAVERS: usize = 256;
 
 /// What is known of the points' cells.
 #[derive(Default)]
 pub struct Search {
     /// Points that may have left their cell since the last search: (block, point).
     pub leavers: Vec<(u32, u32)>,
+    found: Vec<Option<(u32, [f64; 3])>>,
     searched: bool,
     order: Vec<u32>,
     counts: Vec<u32>,
@@ -49,22 +54,25 @@ impl Search {
         let Some(locator) = &scene.locator else { return Ok(false) };
         let mut lost = self.leavers.len() > points.len() / 2;
         let mut moved = lost;
-        for &(block, point) in self.leavers.iter().filter(|_| !lost) {
-            let block = &mut points.blocks[block as usize];
-            let point = point as usize;
-            let (x, hint) = (block.coordinates(point), Some(block.cell[point]));
-            match if faults.0 { locator.locate(x, hint) } else { locator.locate_inside(x, hint) } {
-                Some((cell, xi)) => {
-                    moved |= block.cell[point] != cell;
-                    block.cell[point] = cell;
-                    if block.local.is_used() {
-                        let local = block.local.row_mut(point);
-                        local.copy_from_slice(&xi[..local.len()]);
-                    }
-                }
-                None => {
+        if !lost {
+            let blocks = &points.blocks;
+            let locate = |&(block, point): &(u32, u32)| {
+                let (block, point) = (&blocks[block as usize], point as usize);
+                let (x, hint) = (block.coordinates(point), Some(block.cell[point]));
+                if faults.0 { locator.locate(x, hint) } else { locator.locate_inside(x, hint) }
+            };
+            self.leavers.par_iter().with_min_len(LEAVERS).map(locate).collect_into_vec(&mut self.found);
+            for (&(block, point), found) in self.leavers.iter().zip(&self.found) {
+                let Some((cell, xi)) = found else {
                     (lost, moved) = (true, true);
                     break;
+                };
+                let (block, point) = (&mut points.blocks[block as usize], point as usize);
+                moved |= block.cell[point] != *cell;
+                block.cell[point] = *cell;
+                if block.local.is_used() {
+                    let local = block.local.row_mut(point);
+                    local.copy_from_slice(&xi[..local.len()]);
                 }
             }
         }

@@ -56,7 +56,7 @@ impl Explicit {
             let strained = self.strokes(points, time_step, fields, Strokes { strain: true, ..Strokes::default() });
             self.nodes.velocity = velocity;
             strained?;
-            self.nodes.carrying.clone_from(&self.nodes.velocity);
+            self.nodes.carry();
             self.gather(points, Wanted::Force, time_step);
         }
         self.answer_forces(points, grid, self.gamma() * time_step)?;
@@ -82,7 +82,7 @@ impl Explicit {
 
     fn consistent_mass<'a>(&'a self, points: &'a MaterialPoints) -> ConsistentMass<'a> {
         let (active, space, dofs) = (&self.active, &self.scene.space, &self.nodes.dofs);
-        ConsistentMass { blocks: &points.blocks, active, space, dofs }
+        ConsistentMass { blocks: &points.blocks, active, space, dofs, frames: &self.nodes.frames }
     }
 
     /// Takes the points to the end of the step.
@@ -96,7 +96,7 @@ impl Explicit {
         time_step: f64,
     ) -> Result<(), Error> {
         if !(self.updates_stress_first() && self.frame() == Frame::Total) {
-            self.nodes.carrying.clone_from(&self.nodes.velocity);
+            self.nodes.carry();
         }
         if let Transfer::Xpic(projections) = self.settings.transfer {
             self.filter(points, time_step, projections)?;
@@ -137,6 +137,11 @@ impl Explicit {
 
     /// Changes the velocity of the points, and what else is wanted, by the motion of the grid.
     fn kick(&mut self, points: &mut MaterialPoints, time_step: f64, strokes: Strokes) -> Result<(), Error> {
+        // Stresses that come first have no moment about the places at the end of the step.
+        let carried_first = strokes.drift && self.updates_stress_first();
+        if carried_first {
+            self.displace_nodes(time_step);
+        }
         let acceleration = std::mem::take(&mut self.nodes.acceleration);
         let velocity = std::mem::take(&mut self.nodes.velocity);
         let carrying = std::mem::take(&mut self.nodes.carrying);
@@ -157,7 +162,7 @@ impl Explicit {
         self.nodes.acceleration = acceleration;
         (self.nodes.velocity, self.nodes.carrying) = (velocity, carrying);
         self.nodes.displacement = displacement;
-        if strokes.drift {
+        if strokes.drift && !carried_first {
             self.displace_nodes(time_step);
         }
         kicked
@@ -176,7 +181,7 @@ impl Explicit {
         }
         let same = self.frame() == Frame::Total;
         if same {
-            self.nodes.carrying.clone_from(&self.nodes.velocity);
+            self.nodes.carry();
         }
         let velocity = std::mem::take(&mut self.nodes.velocity);
         let carrying = std::mem::take(&mut self.nodes.carrying);
@@ -277,6 +282,7 @@ impl Explicit {
             reach: if total { f64::INFINITY } else { self.faults.reach(self.limits.smallest) },
             compressible: self.settings.compressible,
             moves_by_point: self.settings.moves_by_point,
+            turns_moments: total && self.affine() == Affine::Moments && !self.updates_stress_first(),
         };
         let found = to_points::apply(points, &field, strokes);
         self.records = records;

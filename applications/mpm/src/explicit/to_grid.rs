@@ -16,8 +16,12 @@ use bia_kernel::lanes::{Lanes, Pack, WIDTH, dispatch, turns};
 use bia_kernel::solving::ActiveDofs;
 use bia_kernel::solving::ordered::in_order;
 use pulp::Simd;
+use rayon::prelude::*;
 use std::marker::PhantomData;
 use std::ops::Range;
+
+/// Numbers that one thread sets to zero at a time.
+const NUMBERS: usize = 8192;
 
 /// Sums over the points, by active node and component.
 #[derive(Default)]
@@ -89,8 +93,8 @@ impl NodalSums {
         for (sums, size) in
             [(&mut self.mass, order / dofs.block()), (&mut self.momentum, order), (&mut self.force, order)]
         {
-            sums.clear();
             sums.resize(size, 0.0);
+            sums.par_chunks_mut(NUMBERS).for_each(|sums| sums.fill(0.0));
         }
     }
 

@@ -36,6 +36,8 @@ pub struct Field<'a> {
     pub compressible: bool,
     /// Points move with their own velocity instead of the grid's.
     pub moves_by_point: bool,
+    /// Points keep moments of the velocity about themselves, with nodes that move along.
+    pub turns_moments: bool,
 }
 
 /// What is done with the points, in this order.
@@ -255,6 +257,21 @@ fn store_affine<const D: usize>(rows: Rows, column: &mut [f64], affine: &Tensor<
     }
 }
 
+/// Points with the velocity v that move by w Δt, w another velocity (MUSL), gain the angular momentum
+/// m Δt w × v: the moments about them give it back. With w = v nothing changes.
+#[inline(always)]
+fn turn_moments<S: Simd, const D: usize>(rows: Rows, moments: &mut [f64], v: &[Lanes<S>; D], path: &[Lanes<S>; D]) {
+    for a in 0..D {
+        for b in 0..a {
+            let gained = ((v[a] * path[b] - path[a] * v[b]) * 0.5).pack();
+            for (point, gained) in rows.points().zip(gained.0) {
+                moments[(point * D + a) * D + b] -= gained;
+                moments[(point * D + b) * D + a] += gained;
+            }
+        }
+    }
+}
+
 /// Takes from velocities what the grid shows of them.
 struct Filter<'a, 'c, const D: usize> {
     chunk: &'a mut Chunk<'c>,
@@ -308,6 +325,9 @@ impl<const D: usize> pulp::WithSimd for Drift<'_, '_, D> {
                 return Err((rows.first + lane, Cause::Moved(distances[lane].sqrt())));
             }
             rows.store(chunk.position, &position);
+            if field.turns_moments {
+                turn_moments(rows, chunk.transfer, &own, &path);
+            }
             if !chunk.displacement.is_empty() {
                 let mut displacement = rows.load::<S, D>(simd, chunk.displacement);
                 for a in 0..D {

@@ -102,6 +102,14 @@ pub struct PointKinematics<const D: usize, const N: usize> {
     pub radius: f64,
 }
 
+/// Kinematics and stresses of as many points as are asked together.
+pub struct Answers<const D: usize, const N: usize> {
+    /// Kinematics; none beyond the last point.
+    pub kinematics: [Option<PointKinematics<D, N>>; CHUNK],
+    /// What the law answers.
+    pub responses: [Response; CHUNK],
+}
+
 impl<const D: usize, const N: usize> PointKinematics<D, N> {
     /// Kinematics of a point under nodal increments.
     ///
@@ -167,43 +175,67 @@ impl Integrator<'_> {
         let want = if with_matrix { Want::StressAndTangent } else { Want::Stress };
         for run in points.chunk_by(|a, b| a.0 == b.0).flat_map(|run| run.chunks(CHUNK)) {
             let block = &self.blocks[run[0].0 as usize];
-            let mut kinematics = [const { None }; CHUNK];
-            let mut deformations = [Deformation::from_gradient(Matrix3::identity()); CHUNK];
-            let mut responses = [Response::default(); CHUNK];
+            let answers = self.answers(basis, run, &state.increments, None, want)?;
             for (k, &(_, point)) in run.iter().enumerate() {
-                let of_scene = (self.kinematics, self.frame);
-                let at = PointKinematics::<D, N>::new(basis, block, point as usize, of_scene, &state.increments)?;
-                deformations[k].gradient = at.gradient;
-                deformations[k].previous = at.previous;
-                deformations[k].time_step = self.time_step;
-                kinematics[k] = Some(at);
-            }
-            let mut states = gather_states(block, run);
-            let count = run.len();
-            block
-                .law
-                .respond(&deformations[..count], &mut states, &mut responses[..count], want)
-                .map_err(|(k, error)| law_failure(block, run[k].1 as usize, &deformations[k].gradient, &error))?;
-            for (k, &(_, point)) in run.iter().enumerate() {
-                let Some(at) = &kinematics[k] else { continue };
+                let (Some(at), response) = (&answers.kinematics[k], &answers.responses[k]) else { continue };
                 let mass = block.mass.get::<1>(point as usize)[0];
                 let volume = mass / block.density * at.gradient.determinant();
                 let body = block.body_acceleration_of::<D>(point as usize).map(|b| mass * b);
-                self.forces(&body, volume, at, &responses[k], &mut buffer.vector);
+                self.forces(D, &body, volume, at, response, &mut buffer.vector);
                 if with_matrix {
-                    self.tangent(volume, at, &responses[k], &mut buffer.matrix);
+                    self.tangent(D, volume, at, response, &mut buffer.matrix);
                 }
                 if let Some(factor) = self.consistent_mass {
-                    consistent_inertia(mass, factor, state, &at.functions, buffer, with_matrix);
+                    consistent_inertia(D, mass, factor, state, &at.functions, buffer, with_matrix);
                 }
             }
         }
         Ok(())
     }
 
+    /// Kinematics of a few points of one block, and what its law answers; with the nodal pressures of
+    /// the cell, if it has any.
+    ///
+    /// # Errors
+    /// An inverted deformation, or a law without an answer.
     #[inline(always)]
-    fn forces<const D: usize, const N: usize>(
+    pub fn answers<B: PlacedBasis<D, N>, const D: usize, const N: usize>(
         &self,
+        basis: &B,
+        run: &[(u32, u32)],
+        increments: &[[f64; D]; N],
+        pressures: Option<&[f64; N]>,
+        want: Want,
+    ) -> Result<Answers<D, N>, Failure> {
+        let block = &self.blocks[run[0].0 as usize];
+        let mut kinematics = [const { None }; CHUNK];
+        let mut deformations = [Deformation::from_gradient(Matrix3::identity()); CHUNK];
+        let mut responses = [Response::default(); CHUNK];
+        for (k, &(_, point)) in run.iter().enumerate() {
+            let of_scene = (self.kinematics, self.frame);
+            let at = PointKinematics::<D, N>::new(basis, block, point as usize, of_scene, increments)?;
+            deformations[k].gradient = at.gradient;
+            deformations[k].previous = at.previous;
+            deformations[k].time_step = self.time_step;
+            if let Some(pressures) = pressures {
+                deformations[k].pressure = Some(at.functions.iter().zip(pressures).map(|(n, p)| n * p).sum());
+            }
+            kinematics[k] = Some(at);
+        }
+        let mut states = gather_states(block, run);
+        let count = run.len();
+        block
+            .law
+            .respond(&deformations[..count], &mut states, &mut responses[..count], want)
+            .map_err(|(k, error)| law_failure(block, run[k].1 as usize, &deformations[k].gradient, &error))?;
+        Ok(Answers { kinematics, responses })
+    }
+
+    /// External minus internal forces of one point; `stride` numbers a node in the vector.
+    #[inline(always)]
+    pub fn forces<const D: usize, const N: usize>(
+        &self,
+        stride: usize,
         body: &[f64; D],
         volume: f64,
         at: &PointKinematics<D, N>,
@@ -213,18 +245,20 @@ impl Integrator<'_> {
         for i in 0..N {
             for a in 0..D {
                 let inner: f64 = (0..D).map(|b| at.gradients[b][i] * response.stress[VOIGT[a][b]]).sum();
-                vector[i * D + a] += at.functions[i] * body[a] - volume * inner;
+                vector[i * stride + a] += at.functions[i] * body[a] - volume * inner;
             }
             if self.kinematics == Kinematics::Axisymmetric {
-                vector[i * D] -= volume * at.functions[i] / at.radius * response.stress[2];
+                vector[i * stride] -= volume * at.functions[i] / at.radius * response.stress[2];
             }
         }
     }
 
-    /// All inner loops run over the nodes of the cell: they are the lanes of the vectors.
+    /// Tangent of one point; `stride` dofs a node in the matrix. All inner loops run over the nodes of
+    /// the cell: they are the lanes of the vectors.
     #[inline(always)]
-    fn tangent<const D: usize, const N: usize>(
+    pub fn tangent<const D: usize, const N: usize>(
         &self,
+        stride: usize,
         volume: f64,
         at: &PointKinematics<D, N>,
         response: &Response,
@@ -258,7 +292,7 @@ impl Integrator<'_> {
             }
             for a in 0..D {
                 for b in 0..D {
-                    let mut sum = cell_rows[(i * D + a) * D + b];
+                    let mut sum = cell_rows[(i * stride + a) * stride + b];
                     for k in 0..D {
                         add_scaled(&mut sum, at.gradients[k][i], &product[VOIGT[a][k]][b]);
                     }
@@ -268,26 +302,28 @@ impl Integrator<'_> {
                     if a == b {
                         add_scaled(&mut sum, 1.0, &geometric);
                     }
-                    cell_rows[(i * D + a) * D + b] = sum;
+                    cell_rows[(i * stride + a) * stride + b] = sum;
                 }
             }
             if axisymmetric {
                 let pair = self.faults.hoop(at.functions, hoop);
-                add_scaled(&mut cell_rows[i * D * D], volume * response.stress[2] * pair[i], &pair);
+                add_scaled(&mut cell_rows[i * stride * stride], volume * response.stress[2] * pair[i], &pair);
             }
         }
     }
 }
 
+/// `sum` += `factor` `other`.
 #[inline(always)]
-fn add_scaled<const N: usize>(sum: &mut [f64; N], factor: f64, other: &[f64; N]) {
+pub fn add_scaled<const N: usize>(sum: &mut [f64; N], factor: f64, other: &[f64; N]) {
     for j in 0..N {
         sum[j] += factor * other[j];
     }
 }
 
-/// R −= m N_i N_j b_j and K += (1 - alpha) c0 m N_i N_j.
+/// R −= m N_i N_j b_j and K += (1 - alpha) c0 m N_i N_j; `stride` dofs a node.
 pub fn consistent_inertia<const D: usize, const N: usize>(
+    stride: usize,
     mass: f64,
     factor: f64,
     state: &CellState<D, N>,
@@ -295,14 +331,14 @@ pub fn consistent_inertia<const D: usize, const N: usize>(
     buffer: &mut CellBuffer,
     with_matrix: bool,
 ) {
-    let size = N * D;
+    let size = N * stride;
     for i in 0..N {
         for j in 0..N {
             let share = mass * functions[i] * functions[j];
             for a in 0..D {
-                buffer.vector[i * D + a] -= share * state.inertia[j][a];
+                buffer.vector[i * stride + a] -= share * state.inertia[j][a];
                 if with_matrix {
-                    buffer.matrix[(i * D + a) * size + a * N + j] += factor * share;
+                    buffer.matrix[(i * stride + a) * size + a * N + j] += factor * share;
                 }
             }
         }

@@ -43,8 +43,20 @@ impl KratosFaults {
         self.0
     }
 
+    /// Mixed formulations show normal stresses shifted by the difference of the pressure and their mean:
+    /// in the plane that of two, which is not the mean stress.
+    pub fn shifts_stress(self) -> bool {
+        self.0
+    }
+
     /// Singular but consistent systems are solved.
     pub fn forgive(self, solver: Box<dyn LinearSolver>, symmetric: bool) -> Box<dyn LinearSolver> {
         if self.0 && symmetric { Box::new(Forgiving::new(solver)) } else { solver }
     }
+}
+
+/// Shifts stresses such that their mean is `pressure`.
+pub fn shift_mean(stresses: &mut [f64], pressure: f64) {
+    let shift = pressure - stresses.iter().sum::<f64>() / stresses.len() as f64;
+    stresses.iter_mut().for_each(|stress| *stress += shift);
 }

@@ -197,7 +197,7 @@ impl Integrator<'_> {
                 let algorithmic = answers.algorithmic(step, with_matrix);
                 self.add_midpoint(mass / block.density, &body, step, &algorithmic, buffer, with_matrix);
                 if let Some(factor) = self.consistent_mass {
-                    consistent_inertia(mass, factor, state, &step.functions, buffer, with_matrix);
+                    consistent_inertia(D, mass, factor, state, &step.functions, buffer, with_matrix);
                 }
             }
         }

@@ -4,6 +4,7 @@ mod element;
 mod forgiving;
 mod kratos_faults;
 mod midpoint;
+mod mixed;
 mod motion;
 mod problem;
 mod transfer;
@@ -15,7 +16,7 @@ use crate::points::{Columns, MaterialPoints};
 use crate::scene::{Scene, move_conditions, points_of, with_points};
 use crate::settings::{Frame, Regime, SolverSettings};
 use crate::space::Space;
-use crate::variables::{ACCELERATION, DISPLACEMENT, NODAL_MASS, REACTION, VELOCITY};
+use crate::variables::{ACCELERATION, DISPLACEMENT, NODAL_MASS, PRESSURE, REACTION, VELOCITY};
 use bia_constitutive::Deformation;
 use bia_kernel::diagnostic::InputErrors;
 use bia_kernel::error::Error;
@@ -25,9 +26,10 @@ use bia_kernel::model::{Model, ModelPart};
 use bia_kernel::processes::{Clock, Context, Location, Process, Requirements, ResetNodes, RunOptions};
 use bia_kernel::registry::Registry;
 use bia_kernel::solving::solver::{Inventory, Solver};
-use bia_kernel::solving::{ActiveDofs, Criterion, NonlinearSystem, StepReport, System};
+use bia_kernel::solving::{ActiveDofs, Criterion, NodalFrames, NonlinearSystem, StepReport, System};
 use element::Rule;
 use kratos_faults::KratosFaults;
+use mixed::{Mixed, check_fluids, relax_fluids};
 use motion::Motion;
 use nalgebra::Matrix3;
 use problem::{Inertia, Problem};
@@ -59,10 +61,13 @@ pub struct Implicit {
     linear: Option<Box<dyn LinearSolver>>,
     active: ActiveCells,
     dofs: ActiveDofs,
+    /// Frames of nodes that slide along walls.
+    frames: NodalFrames,
     system: Option<System>,
     sums: NodalSums,
     inertia: Option<Inertia>,
     motion: Motion,
+    mixed: Option<Mixed>,
     increments: Vec<f64>,
     assembled: Vec<f64>,
     /// DISPLACEMENT at the end of the last step, which is what Kratos's prediction reads.
@@ -83,11 +88,14 @@ impl Implicit {
     /// The solver of these settings.
     pub fn new(settings: SolverSettings, options: RunOptions) -> Self {
         let stages = ["search", "points to grid", "assembly", "linear solver", "grid to points"];
+        let mixed = settings.mixed.map(|mixed| Mixed::new(mixed, options.kratos_exact));
         Self {
             scene: Scene::new(settings, options),
+            mixed,
             linear: None,
             active: ActiveCells::default(),
             dofs: ActiveDofs::default(),
+            frames: NodalFrames::default(),
             system: None,
             sums: NodalSums::default(),
             inertia: None,
@@ -113,7 +121,10 @@ impl Implicit {
         self.active.gather(&points.blocks, grid.elements.len());
         if before != self.active.cells || self.system.is_none() {
             self.dofs = self.scene.space.active_dofs(&self.active.cells, points.dimension());
-            self.system = Some(system(&self.scene.space, &self.active.cells, &self.dofs));
+            self.system = Some(match &mut self.mixed {
+                Some(mixed) => mixed.number(&self.scene.space, &self.active.cells, points.dimension()),
+                None => system(&self.scene.space, &self.active.cells, &self.dofs),
+            });
         }
         Ok(())
     }
@@ -164,6 +175,8 @@ impl Implicit {
                 }
             }
         }
+        self.frames = NodalFrames::new(block, &self.dofs, grid.node_fields.slides(&DISPLACEMENT));
+        self.frames.slide(&mut self.increments);
     }
 
     fn write_nodal_mass(&self, grid: &mut ModelPart) {
@@ -201,11 +214,17 @@ impl Implicit {
     /// Forces that hold the fixed dofs: minus the residual at the solution.
     fn write_reactions(&mut self, points: &MaterialPoints, grid: &mut ModelPart, time_step: f64) -> Result<(), Error> {
         let Some(mut system) = self.system.take() else { return Ok(()) };
-        let result = self.problem(points, grid, time_step).assemble(&mut system, false);
-        let held = system.rhs.iter().zip(self.dofs.fixed()).map(|(r, fixed)| if *fixed { -r } else { 0.0 });
-        let reactions: Vec<f64> = held.collect();
-        self.system = Some(system);
-        result?;
+        let mut mixed = self.mixed.take();
+        let result = match &mut mixed {
+            Some(mixed) => self.mixed_reactions(mixed, points, grid, time_step, &mut system),
+            None => {
+                let result = self.problem(points, grid, time_step).assemble(&mut system, false);
+                result.map(|()| system.rhs.iter().map(|r| -r).collect())
+            }
+        };
+        (self.system, self.mixed) = (Some(system), mixed);
+        let mut reactions: Vec<f64> = result?;
+        self.frames.keep_held(&self.dofs, &mut reactions);
         let (count, block) = (grid.nodes.len(), self.dofs.block());
         let column = grid.node_fields.vector_mut(&REACTION, count);
         column.fill([0.0; 3]);
@@ -244,12 +263,27 @@ impl Solver for Implicit {
             acceleration: wants("ACCELERATION"),
             reaction: self.scene.settings.reactions || (wants("REACTION") && !self.faults().hides_reactions()),
         };
+        if let Some(mixed) = &mut self.mixed {
+            let wanted = self.output.reaction || wants("PRESSURE_REACTION");
+            mixed.show_reaction(wanted);
+            self.output.reaction = wanted;
+            if let Some(grid) = model.part_mut(GRID) {
+                let count = grid.nodes.len();
+                grid.node_fields.scalar_mut(&PRESSURE, count);
+            }
+        }
         let moves = self.dynamic();
-        let needed = Columns { velocity: moves, acceleration: moves, local: true, ..Columns::default() };
+        let pressure = self.mixed.is_some();
+        let needed = Columns { velocity: moves, acceleration: moves, local: true, pressure, ..Columns::default() };
         let conserves_energy = self.scene.settings.conserves_energy;
-        let symmetric = self.scene.make_points(model, requirements, needed)? && !conserves_energy;
+        let symmetric = self.scene.make_points(model, requirements, needed)?
+            && !conserves_energy
+            && self.mixed.as_ref().is_none_or(Mixed::is_symmetric);
         if let Some(points) = points_of(model).filter(|_| conserves_energy) {
             check_energies(points, &self.scene.settings)?;
+        }
+        if let Some(points) = points_of(model) {
+            check_fluids(points, &self.scene.settings)?;
         }
         let linear = solver(self.scene.settings.linear_method(symmetric)?);
         self.linear = Some(self.faults().forgive(linear, symmetric));
@@ -277,6 +311,7 @@ impl Solver for Implicit {
                 this.gather(points);
                 this.write_nodal_mass(grid);
                 this.predict_increments(grid);
+                this.predict_pressures(points, grid);
                 this.prepare_inertia(points, grid, time_step)
             })
         })
@@ -300,11 +335,18 @@ impl Solver for Implicit {
                     );
                 }
             }
-            let mut problem = this.problem(points, grid, time_step);
-            let result = this.scene.settings.newton.solve(&mut problem, &mut system, linear.as_mut());
-            let (increments, assembled) = (problem.increments, problem.assembled);
-            (this.increments, this.assembled) = (increments, assembled);
-            (this.system, this.linear) = (Some(system), Some(linear));
+            let mut mixed = this.mixed.take();
+            let result = match &mut mixed {
+                Some(mixed) => this.solve_mixed(mixed, (points, grid), time_step, &mut system, linear.as_mut()),
+                None => {
+                    let mut problem = this.problem(points, grid, time_step);
+                    let newton = &this.scene.settings.newton;
+                    let result = this.frames.solve(newton, &mut problem, &mut system, linear.as_mut());
+                    (this.increments, this.assembled) = (problem.increments, problem.assembled);
+                    result
+                }
+            };
+            (this.system, this.linear, this.mixed) = (Some(system), Some(linear), mixed);
             let report = result?;
             this.stages[ASSEMBLY].1 += report.assembly;
             this.stages[LINEAR].1 += report.linear;
@@ -338,21 +380,28 @@ impl Solver for Implicit {
             let is_total = this.scene.settings.discretisation.frame == Frame::Total;
             let before = this.inertia.as_ref().filter(|_| is_total).map_or(&[][..], |i| &i.velocity);
             let velocity_changes: Vec<f64> = velocities.iter().zip(before).map(|(v, v0)| v - v0).collect();
+            let starts = this.mixed.as_ref().is_some_and(Mixed::starts);
             let nodal = NodalResults {
                 space,
                 frame: this.scene.settings.discretisation.frame,
                 dofs: &this.dofs,
                 increments: &increments,
                 increments_of_volume: of_volume,
+                pressures: this.mixed.as_ref().map_or(&[], Mixed::pressures),
+                shifts_stress: this.faults().shifts_stress(),
                 accelerations: &accelerations,
                 velocities: &velocities,
                 velocity_changes: &velocity_changes,
                 flip_fraction: this.scene.settings.flip_fraction,
                 time_step,
-                gamma: this.scene.settings.point_gamma,
+                gamma: if starts { 1.0 } else { this.scene.settings.point_gamma },
                 least_function: this.faults().least_function(),
             };
             update_points(points, &nodal)?;
+            if !is_total {
+                relax_fluids(points);
+            }
+            this.write_pressures(grid);
             let least = nodal.least_function;
             move_conditions(&mut points.conditions, space, &this.dofs, [&increments, &velocities], least);
             space.write_field(grid, &this.dofs, &DISPLACEMENT, &increments);
@@ -367,6 +416,7 @@ impl Solver for Implicit {
                 this.previous.copy_from_slice(grid.node_fields.vector_mut(&DISPLACEMENT, count));
             }
             this.increments = increments;
+            this.mixed.iter_mut().for_each(Mixed::has_stepped);
             if is_total {
                 this.motion = Motion { velocity: velocities, acceleration: accelerations };
             }

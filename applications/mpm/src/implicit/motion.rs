@@ -7,6 +7,7 @@
 //! back in, and its dissipation.
 
 use super::Implicit;
+use super::mixed::Mixed;
 use super::problem::Inertia;
 use crate::points::MaterialPoints;
 use crate::projection::ConsistentMass;
@@ -57,9 +58,14 @@ impl Implicit {
         } else {
             (self.by_mass(&self.sums.momentum), self.by_mass(&self.sums.inertia))
         };
+        let starts = self.mixed.as_ref().is_some_and(Mixed::starts);
         self.inertia = Some(Inertia {
-            coefficients: if conserves { Coefficients::midpoint(time_step) } else { newmark.coefficients(time_step) },
-            alpha: if conserves { 0.0 } else { newmark.alpha },
+            coefficients: match (starts, conserves) {
+                (true, _) => Coefficients::backward_euler(time_step),
+                (_, true) => Coefficients::midpoint(time_step),
+                _ => newmark.coefficients(time_step),
+            },
+            alpha: if conserves || starts { 0.0 } else { newmark.alpha },
             consistent,
             velocity: motion.0,
             acceleration: motion.1,
@@ -90,19 +96,29 @@ impl Implicit {
         let consistent = settings.consistent_mass || settings.conserves_energy;
         let is_first = self.motion.velocity.len() != self.dofs.order();
         let mut motion = std::mem::take(&mut self.motion);
-        let mass =
-            ConsistentMass { blocks: &points.blocks, active: &self.active, space: &self.scene.space, dofs: &self.dofs };
+        let mass = ConsistentMass {
+            blocks: &points.blocks,
+            active: &self.active,
+            space: &self.scene.space,
+            dofs: &self.dofs,
+            frames: &self.frames,
+        };
         let from_points = is_first || settings.flip_fraction < 1.0;
         if from_points {
             motion.velocity = if consistent { vec![0.0; self.dofs.order()] } else { self.by_mass(&self.sums.momentum) };
         }
         let held = || self.dofs.fixed().iter().zip(&self.increments).enumerate().filter(|(_, (held, _))| **held);
         held().for_each(|(dof, (_, u))| motion.velocity[dof] = u / time_step);
+        self.frames.slide(&mut motion.velocity);
+        let has_pressures = self.mixed.is_some();
         if from_points && consistent {
-            mass.project(system, &mut motion.velocity)?;
+            match has_pressures {
+                true => mass.project(&mut mass.system(), &mut motion.velocity)?,
+                false => mass.project(system, &mut motion.velocity)?,
+            }
         }
-        if settings.conserves_energy {
-            // The mid-point rule does not look at it.
+        if settings.conserves_energy || (has_pressures && is_first) {
+            // Neither the mid-point rule nor the first step with pressures looks at it.
             motion.acceleration = vec![0.0; self.dofs.order()];
         } else if is_first {
             let mut problem = self.problem(points, grid, time_step);
@@ -114,6 +130,7 @@ impl Implicit {
             };
         }
         held().for_each(|(dof, _)| motion.acceleration[dof] = 0.0);
+        self.frames.slide(&mut motion.acceleration);
         self.motion = motion;
         Ok(())
     }

@@ -30,6 +30,11 @@ pub struct Inertia {
 }
 
 impl Inertia {
+    /// (1 - alpha) c0, what the mass is multiplied by in the tangent.
+    pub fn stiffness(&self) -> f64 {
+        (1.0 - self.alpha) * self.coefficients.c0
+    }
+
     /// The acceleration that the scheme weighs with the mass: (1 - alpha) a + alpha a0.
     fn weighted(&self, increments: &[f64]) -> Vec<f64> {
         let both = self.velocity.iter().zip(&self.acceleration);
@@ -85,6 +90,56 @@ pub struct Problem<'a> {
 }
 
 impl Problem<'_> {
+    /// The acceleration that the scheme weighs with the mass; empty without inertia.
+    pub fn weighted(&self) -> Vec<f64> {
+        self.inertia.map_or(Vec::new(), |inertia| inertia.weighted(&self.increments))
+    }
+
+    /// The part of it that cells integrate: all with a consistent mass, else nothing.
+    pub fn of_cells<'b>(&self, weighted: &'b [f64]) -> &'b [f64] {
+        if self.inertia.is_some_and(|inertia| inertia.consistent) { weighted } else { &[] }
+    }
+
+    /// What all cells share.
+    pub fn integrator(&self) -> Integrator<'_> {
+        let consistent = self.inertia.filter(|inertia| inertia.consistent);
+        Integrator {
+            blocks: &self.points.blocks,
+            kinematics: self.points.kinematics,
+            frame: self.frame,
+            rule: self.rule,
+            time_step: self.time_step,
+            faults: self.faults,
+            consistent_mass: consistent.map(Inertia::stiffness),
+        }
+    }
+
+    /// Adds what stands on nodes: lumped inertia and loads. The nodes of the system may have more dofs,
+    /// after those of displacement.
+    pub fn add_nodal(&self, system: &mut System, weighted: &[f64], with_matrix: bool) {
+        let (block, stride) = (self.dofs.block(), system.matrix.pattern.block());
+        if let Some(inertia) = self.inertia.filter(|inertia| !inertia.consistent) {
+            for (dof, acceleration) in weighted.iter().enumerate() {
+                let mass = self.sums.mass[dof / block];
+                let place = dof / block * stride + dof % block;
+                system.rhs[place] -= mass * acceleration;
+                if with_matrix {
+                    system.add_diagonal(place, inertia.stiffness() * mass);
+                }
+            }
+        }
+        let axisymmetric = self.points.kinematics == bia_constitutive::Kinematics::Axisymmetric;
+        let loads = Loads { grid: self.grid, space: self.space, conditions: &self.points.conditions, axisymmetric };
+        if stride == block {
+            return loads.add(self.dofs, &self.increments, &mut system.rhs);
+        }
+        let mut forces = vec![0.0; self.dofs.order()];
+        loads.add(self.dofs, &self.increments, &mut forces);
+        for (node, forces) in system.rhs.chunks_exact_mut(stride).zip(forces.chunks_exact(block)) {
+            node.iter_mut().zip(forces).for_each(|(sum, force)| *sum += force);
+        }
+    }
+
     fn compute(
         &self,
         integrator: &Integrator,
@@ -115,35 +170,13 @@ impl NonlinearSystem for Problem<'_> {
     fn assemble(&mut self, system: &mut System, with_matrix: bool) -> Result<(), Error> {
         self.assembled.clone_from(&self.increments);
         system.clear(with_matrix);
-        let weighted = self.inertia.map_or(Vec::new(), |inertia| inertia.weighted(&self.increments));
-        let factor = |inertia: &Inertia| (1.0 - inertia.alpha) * inertia.coefficients.c0;
-        let consistent = self.inertia.filter(|inertia| inertia.consistent);
-        let integrator = Integrator {
-            blocks: &self.points.blocks,
-            kinematics: self.points.kinematics,
-            frame: self.frame,
-            rule: self.rule,
-            time_step: self.time_step,
-            faults: self.faults,
-            consistent_mass: consistent.map(factor),
-        };
+        let weighted = self.weighted();
+        let integrator = self.integrator();
+        let of_cells = self.of_cells(&weighted);
         let this = &*self;
-        system.add_cells(with_matrix, |index, buffer| {
-            this.compute(&integrator, if consistent.is_some() { &weighted } else { &[] }, index, buffer, with_matrix)
-        })?;
-        if let Some(inertia) = self.inertia.filter(|inertia| !inertia.consistent) {
-            let block = self.dofs.block();
-            for (dof, acceleration) in weighted.iter().enumerate() {
-                let mass = self.sums.mass[dof / block];
-                system.rhs[dof] -= mass * acceleration;
-                if with_matrix {
-                    system.add_diagonal(dof, factor(inertia) * mass);
-                }
-            }
-        }
-        let axisymmetric = self.points.kinematics == bia_constitutive::Kinematics::Axisymmetric;
-        let loads = Loads { grid: self.grid, space: self.space, conditions: &self.points.conditions, axisymmetric };
-        loads.add(self.dofs, &self.increments, &mut system.rhs);
+        system
+            .add_cells(with_matrix, |index, buffer| this.compute(&integrator, of_cells, index, buffer, with_matrix))?;
+        self.add_nodal(system, &weighted, with_matrix);
         Ok(())
     }
 

@@ -1,8 +1,9 @@
 //! Transfers between points and grid with the shape functions at the start of the step.
 
 use super::element::PointKinematics;
+use super::kratos_faults::shift_mean;
 use crate::active::{ActiveCells, NO_CELL};
-use crate::grid::nodal_vectors;
+use crate::grid::{nodal_vectors, numbers};
 use crate::points::{Block, MaterialPoints, compress, law_failure};
 use crate::settings::Frame;
 use crate::space::{Space, with_basis};
@@ -118,6 +119,10 @@ pub struct NodalResults<'a> {
     pub increments: &'a [f64],
     /// Increments at the last assembly: the volume that Kratos shows lags there.
     pub increments_of_volume: &'a [f64],
+    /// Pressures; empty unless the formulation has them.
+    pub pressures: &'a [f64],
+    /// Normal stresses are shown as in Kratos, which corrects their mean.
+    pub shifts_stress: bool,
     /// Accelerations; empty without inertia.
     pub accelerations: &'a [f64],
     /// Velocities at the end of the step; empty without inertia.
@@ -163,7 +168,7 @@ pub fn update_points(points: &mut MaterialPoints, nodal: &NodalResults) -> Resul
             let moved = |point: usize| update(block, point, kinematics, nodal);
             let updates: Vec<Update> =
                 range.clone().into_par_iter().with_min_len(GRAIN).map(moved).collect::<Result<_, Failure>>()?;
-            answer(block, &range, &updates, kinematics)?;
+            answer(block, &range, &updates, kinematics, nodal.shifts_stress)?;
             for (update, point) in updates.iter().zip(range) {
                 store(block, point, update, nodal);
             }
@@ -176,6 +181,7 @@ fn update(block: &Block, point: usize, kinematics: Kinematics, nodal: &NodalResu
     let gradient = block.deformation_gradient(point);
     let mut deformation = Deformation::from_gradient(gradient);
     deformation.previous = gradient;
+    deformation.pressure = block.pressure_of(point);
     deformation.time_step = nodal.time_step;
     let none = [0.0; 3];
     let volume_ratio = gradient.determinant();
@@ -203,6 +209,10 @@ fn update_in<B: PlacedBasis<D, N>, const D: usize, const N: usize>(
     let increments = nodal_vectors::<D, N>(nodal.dofs, nodes, nodal.increments);
     let at = PointKinematics::<D, N>::new(basis, block, point, of_scene, &increments)?;
     update.deformation.gradient = at.gradient;
+    if !nodal.pressures.is_empty() {
+        let numbers = numbers::<N>(nodal.dofs, nodes);
+        update.deformation.pressure = Some((0..N).map(|i| at.functions[i] * nodal.pressures[numbers[i]]).sum());
+    }
     update.volume_ratio = at.gradient.determinant();
     if !std::ptr::eq(nodal.increments, nodal.increments_of_volume) {
         let increments = nodal_vectors::<D, N>(nodal.dofs, nodes, nodal.increments_of_volume);
@@ -245,6 +255,7 @@ fn answer(
     range: &std::ops::Range<usize>,
     updates: &[Update],
     kinematics: Kinematics,
+    shifts_stress: bool,
 ) -> Result<(), Failure> {
     let length = block.state.width();
     if !block.stress.is_used() && length == 0 {
@@ -277,7 +288,10 @@ fn answer(
     for ((response, update), point) in responses.iter().zip(updates).zip(range.clone()) {
         if block.stress.is_used() {
             let row = block.stress.row_mut(point);
-            voigt.iter().zip(row).for_each(|(&v, entry)| *entry = response.stress[v]);
+            voigt.iter().zip(&mut *row).for_each(|(&v, entry)| *entry = response.stress[v]);
+            if let Some(pressure) = update.deformation.pressure.filter(|_| shifts_stress) {
+                shift_mean(&mut row[..kinematics.dimension()], pressure);
+            }
         }
         if block.strain.is_used() {
             let strain = block.law.strain(&update.deformation);
@@ -309,6 +323,9 @@ fn store(block: &mut Block, point: usize, update: &Update, nodal: &NodalResults)
                 *v = nodal.flip_fraction * *v + (1.0 - nodal.flip_fraction) * update.velocity[i];
             }
         }
+    }
+    if let Some(pressure) = update.deformation.pressure.filter(|_| block.pressure.is_used()) {
+        block.pressure.set(point, [pressure]);
     }
     if block.volume.is_used() {
         let reference = block.mass.get::<1>(point)[0] / block.density;

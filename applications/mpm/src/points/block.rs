@@ -26,6 +26,8 @@ pub struct Columns {
     pub strain_energy: bool,
     /// Current volume.
     pub volume: bool,
+    /// Pressure, of which mixed formulations make their start values.
+    pub pressure: bool,
     /// Body force per mass that differs from point to point.
     pub body_acceleration: bool,
     /// Numbers a point that the transfer of velocity keeps.
@@ -85,6 +87,8 @@ pub struct Block {
     pub strain: Column,
     /// Volume in m³, if used.
     pub volume: Column,
+    /// Mean stress of the nodes in Pa, in mixed formulations.
+    pub pressure: Column,
 }
 
 impl Block {
@@ -121,6 +125,11 @@ impl Block {
         sum
     }
 
+    /// Mean stress of the nodes at a point in Pa, in mixed formulations.
+    pub fn pressure_of(&self, point: usize) -> Option<f64> {
+        self.pressure.row(point).first().copied()
+    }
+
     /// Lets a body at rest start with the acceleration of its body forces: let go without stress, it
     /// accelerates so from the first instant.
     pub fn start_with_body_acceleration(&mut self) {
@@ -136,7 +145,7 @@ impl Block {
     }
 
     /// All columns with their names.
-    pub fn columns(&self) -> [(&'static str, &Column); 13] {
+    pub fn columns(&self) -> [(&'static str, &Column); 14] {
         [
             ("local coordinates", &self.local),
             ("position", &self.position),
@@ -149,12 +158,13 @@ impl Block {
             ("Cauchy stress", &self.stress),
             ("strain", &self.strain),
             ("volume", &self.volume),
+            ("pressure", &self.pressure),
             ("body acceleration", &self.body_acceleration),
             ("transfer", &self.transfer),
         ]
     }
 
-    fn columns_mut(&mut self) -> [&mut Column; 13] {
+    fn columns_mut(&mut self) -> [&mut Column; 14] {
         [
             &mut self.local,
             &mut self.position,
@@ -167,6 +177,7 @@ impl Block {
             &mut self.stress,
             &mut self.strain,
             &mut self.volume,
+            &mut self.pressure,
             &mut self.body_acceleration,
             &mut self.transfer,
         ]

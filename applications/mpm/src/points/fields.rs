@@ -28,6 +28,7 @@ const POINT_VARIABLES: &[(&str, Columns)] = &[
     ("MP_MASS", NONE),
     ("MP_VOLUME", Columns { volume: true, ..NONE }),
     ("MP_DENSITY", Columns { volume: true, ..NONE }),
+    ("MP_PRESSURE", Columns { pressure: true, ..NONE }),
     ("MP_MATERIAL_ID", NONE),
     ("MP_POTENTIAL_ENERGY", NONE),
     ("MP_KINETIC_ENERGY", VELOCITY),
@@ -45,6 +46,7 @@ const NONE: Columns = Columns {
     strain: false,
     strain_energy: false,
     volume: false,
+    pressure: false,
     body_acceleration: false,
     transfer: 0,
 };
@@ -91,6 +93,7 @@ impl Columns {
             strain: self.strain || other.strain,
             strain_energy: self.strain_energy || other.strain_energy,
             volume: self.volume || other.volume,
+            pressure: self.pressure || other.pressure,
             body_acceleration: self.body_acceleration || other.body_acceleration,
             transfer: if self.transfer > other.transfer { self.transfer } else { other.transfer },
         }
@@ -136,6 +139,7 @@ pub fn append(block: &Block, point: usize, variable: &str, out: &mut Vec<f64>) -
         "MP_MASS" => out.extend(block.mass.row(point)),
         "MP_VOLUME" => out.extend(block.volume.row(point)),
         "MP_DENSITY" => out.push(block.mass.row(point)[0] / block.volume.row(point)[0]),
+        "MP_PRESSURE" => out.extend(block.pressure.row(point)),
         "MP_MATERIAL_ID" => out.push(f64::from(block.material)),
         "MP_POTENTIAL_ENERGY" => out.push(energies(block, point).potential),
         "MP_KINETIC_ENERGY" => out.push(energies(block, point).kinetic),
@@ -195,7 +199,8 @@ pub fn energies(block: &Block, point: usize) -> Energies {
 /// Strain energy of a point in J; zero where neither the law nor the columns tell it.
 fn strain_energy(block: &Block, point: usize) -> f64 {
     if block.has_energy {
-        let deformation = Deformation::from_gradient(block.deformation_gradient(point));
+        let mut deformation = Deformation::from_gradient(block.deformation_gradient(point));
+        deformation.pressure = block.pressure_of(point);
         let density = block.law.energy(&deformation).unwrap_or(f64::NAN);
         return block.mass.row(point)[0] / block.density * density;
     }

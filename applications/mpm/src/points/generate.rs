@@ -4,7 +4,7 @@ use super::block::{Block, Columns, MaterialPoints, compress, gradient_width};
 use super::conditions::PointConditions;
 use super::layout::Layout;
 use crate::settings::Placement;
-use bia_constitutive::{BodyMaterial, BuiltLaw, Catalogue, Deformation, Kinematics, Options};
+use bia_constitutive::{BodyMaterial, BuiltLaw, Catalogue, Deformation, Kinematics, Options, VolumetricLaw};
 use bia_kernel::diagnostic::{Diagnostic, InputErrors, Place};
 use bia_kernel::geometry::CellLocator;
 use bia_kernel::io::mdpa;
@@ -40,6 +40,8 @@ pub struct Plan<'a> {
     pub kratos_exact: bool,
     /// Laws are for an explicit solver.
     pub explicit: bool,
+    /// Volumetric law of nodal pressures, if the formulation has them.
+    pub mixed: Option<VolumetricLaw>,
     /// Name of the part of points.
     pub part: &'a str,
     /// The file of the body mesh, for messages; none if a modeler made it.
@@ -209,7 +211,7 @@ fn new_block(plan: &Plan, body: usize, id: u32, element: u32) -> Result<Block, I
             errors.absorb(material.positive(name, needed));
         }
     }
-    let options = Options { kratos_exact: plan.kratos_exact, explicit: plan.explicit };
+    let options = Options { kratos_exact: plan.kratos_exact, explicit: plan.explicit, mixed: plan.mixed };
     let law = errors.absorb(material.law(plan.catalogue, plan.kinematics, &options));
     let undeformed = Deformation::from_gradient(Matrix3::identity());
     match law {
@@ -236,6 +238,7 @@ fn new_block(plan: &Plan, body: usize, id: u32, element: u32) -> Result<Block, I
             stress: Column::default(),
             strain: Column::default(),
             volume: Column::default(),
+            pressure: Column::default(),
             law,
         }),
         _ => Err(errors),
@@ -324,6 +327,7 @@ fn allocate(block: &mut Block, plan: &Plan) {
     block.stress = column(voigt, columns.stress || work || shown);
     block.strain = column(voigt, block.law.uses_strain() || work || shown);
     block.body_acceleration = column(dimension, columns.body_acceleration);
+    block.pressure = column(1, columns.pressure);
     block.transfer = column(columns.transfer, columns.transfer > 0);
     if columns.volume || work {
         block.volume = block.mass.clone();

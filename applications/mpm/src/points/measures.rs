@@ -56,8 +56,9 @@ fn stress_at_rest(block: &Block, point: usize) -> Voigt {
         place(block, block.strain.row(point), &mut strain);
         strain
     });
+    let pressure = block.pressure_of(point);
     // An infinite step: all rates are zero.
-    let at_rest = Deformation { gradient, previous: gradient, time_step: f64::INFINITY, pressure: None, strain };
+    let at_rest = Deformation { gradient, previous: gradient, time_step: f64::INFINITY, pressure, strain };
     let mut state = block.state.row(point).to_vec();
     let mut stress = [[f64::NAN; 6]];
     match block.law.stresses(&[at_rest], &mut state, &mut stress) {

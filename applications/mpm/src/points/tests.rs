@@ -50,6 +50,7 @@ fn block(body: usize, ids: Vec<u32>) -> Block {
         stress: column(6, count, seed + 9),
         strain: column(6, count, seed + 10),
         volume: column(1, count, seed + 11),
+        pressure: column(1, count, seed + 12),
     }
 }
 

@@ -6,6 +6,7 @@ use crate::points::fields::total_energies;
 use bia_kernel::diagnostic::InputErrors;
 use bia_kernel::error::Error;
 use bia_kernel::io::control::OutputControl;
+use bia_kernel::io::table::NumberFormat;
 use bia_kernel::model::Model;
 use bia_kernel::parameters::{Key, Kind, Range, Settings};
 use bia_kernel::processes::{Context, Process, Requirements};
@@ -56,36 +57,6 @@ pub fn register(registry: &mut Registry) {
             Ok(Box::new(Energy { settings: building.settings, path, file: None, format, control }))
         },
     });
-}
-
-/// How a number is printed: digits and `f` or `e`.
-struct NumberFormat {
-    digits: usize,
-    scientific: bool,
-}
-
-impl NumberFormat {
-    fn parse(text: &str) -> Option<Self> {
-        let (digits, kind) = text.strip_prefix('.')?.split_at_checked(text.len().checked_sub(2)?)?;
-        let scientific = match kind {
-            "f" => false,
-            "e" | "E" => true,
-            _ => return None,
-        };
-        Some(Self { digits: digits.parse().ok().filter(|d| *d <= 30)?, scientific })
-    }
-
-    fn show(&self, x: f64) -> String {
-        let digits = self.digits;
-        if self.scientific {
-            let text = format!("{x:.digits$e}");
-            let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
-            let exponent: i32 = exponent.parse().unwrap_or(0);
-            format!("{mantissa}e{}{:02}", if exponent < 0 { '-' } else { '+' }, exponent.abs())
-        } else {
-            format!("{x:.digits$}")
-        }
-    }
 }
 
 struct Energy {
@@ -155,19 +126,5 @@ impl Process for Energy {
 
     fn files(&self) -> Vec<PathBuf> {
         self.file.iter().map(|_| self.path.clone()).collect()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_are_printed_as_python_prints_them() {
-        assert_eq!(NumberFormat::parse(".8f").unwrap().show(1.5), "1.50000000");
-        assert_eq!(NumberFormat::parse(".3e").unwrap().show(-12345.0), "-1.234e+04");
-        for wrong in ["8f", ".f", ".8x", "", ".é"] {
-            assert!(NumberFormat::parse(wrong).is_none(), "{wrong}");
-        }
     }
 }

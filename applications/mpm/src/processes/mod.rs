@@ -5,7 +5,9 @@ mod body_acceleration;
 mod energy;
 mod extrapolate;
 mod json;
+mod measure;
 mod neumann;
+mod slip;
 mod vtk;
 
 use bia_kernel::registry::Registry;
@@ -15,8 +17,10 @@ pub fn register(registry: &mut Registry) {
     acceleration::register(registry);
     body_acceleration::register(registry);
     neumann::register(registry);
+    slip::register(registry);
     energy::register(registry);
     extrapolate::register(registry);
     json::register(registry);
+    measure::register(registry);
     vtk::register(registry);
 }

@@ -1,5 +1,6 @@
 //! Orthogonal choices of a discretisation: frame, functions, placement of points, transfer.
 
+use bia_kernel::diagnostic::InputErrors;
 use bia_kernel::parameters::Settings;
 
 /// Where the grid's functions are evaluated.
@@ -51,7 +52,7 @@ impl Discretisation {
     pub fn of(s: &Settings) -> Self {
         let order = s.integer("basis_order") as usize;
         Self {
-            frame: if s.text("frame") == "total_lagrangian" { Frame::Total } else { Frame::Updated },
+            frame: if s.text("frame") == "total_lagrangian" || never_reset(s) { Frame::Total } else { Frame::Updated },
             basis: match s.text("basis") {
                 "lagrange" => Basis::Lagrange(order),
                 "b_spline" => Basis::BSpline(order),
@@ -85,5 +86,18 @@ impl Transfer {
             "xpic" => Transfer::Xpic(s.integer("xpic_order") as usize),
             _ => Transfer::Flip(s.number("flip_fraction")),
         }
+    }
+}
+
+/// The grid is never reset.
+fn never_reset(s: &Settings) -> bool {
+    s.given("grid_reset") && s.text("grid_reset") == "never"
+}
+
+/// `frame` and `grid_reset` say the same thing.
+pub fn check_frame(s: &Settings, errors: &mut InputErrors) {
+    if s.given("frame") && s.given("grid_reset") && (s.text("frame") == "total_lagrangian") != never_reset(s) {
+        let message = format!("{:?} contradicts frame {:?}", s.text("grid_reset"), s.text("frame"));
+        errors.push(s.error("grid_reset", message).help("keep one of them: \"never\" is the total Lagrangian frame"));
     }
 }

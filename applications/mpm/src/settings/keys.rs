@@ -1,5 +1,6 @@
 //! Keys of `solver_settings`, with Kratos's names and defaults where Kratos has them.
 
+use super::mixed::PARAMETERS;
 use bia_constitutive::MATERIAL_IMPORT;
 use bia_kernel::parameters::{Key, Kind, Range};
 use bia_kernel::solving::mesh::MESH_IMPORT;
@@ -14,7 +15,7 @@ const SEARCH: &[Key] = &[
 ];
 
 /// Keys of `solver_settings`.
-pub const KEYS: &[Key] = &Key::join::<7, 41, 48>(
+pub const KEYS: &[Key] = &Key::join::<7, 45, 52>(
     CONVERGENCE,
     [
         Key::required("solver_type", Kind::Text, "static, quasi_static or dynamic"),
@@ -80,6 +81,24 @@ pub const KEYS: &[Key] = &Key::join::<7, 41, 48>(
             "\"ppp\"",
             "of the mixed formulation",
         ),
+        Key::optional(
+            "stabilization_variant",
+            Kind::Choice(&["kratos", "consistent"]),
+            "formulas of the stabilisation and of the convergence criterion: Kratos's, or consistent ones with the \
+             exact tangent (default, unless Kratos is repeated)",
+        ),
+        Key::new(
+            "stabilization_parameters",
+            Kind::Object(PARAMETERS),
+            "{}",
+            "constants of the stabilisation of the mixed formulation",
+        ),
+        Key::new(
+            "volumetric_law",
+            Kind::Choice(&["kratos", "miehe"]),
+            "\"kratos\"",
+            "of the mixed formulation: p = kappa (J - 1) or p = kappa (1 - 1/J)",
+        ),
         Key::new("compressible", Kind::Bool, "true", "explicit: the volume follows the deformation"),
         Key::new("axis_symmetric_flag", Kind::Bool, "false", "axisymmetric about the y axis, x is the radius"),
         Key::new(
@@ -87,6 +106,12 @@ pub const KEYS: &[Key] = &Key::join::<7, 41, 48>(
             Kind::Choice(&["updated_lagrangian", "total_lagrangian"]),
             "\"updated_lagrangian\"",
             "where the grid's functions are evaluated: at the present place of a point, or for ever at its first",
+        ),
+        Key::optional(
+            "grid_reset",
+            Kind::Choice(&["every_step", "never"]),
+            "whether the grid goes back after each step, or moves on with the body: frame updated_lagrangian or \
+             total_lagrangian by another name",
         ),
         Key::new(
             "basis",

@@ -3,10 +3,12 @@
 mod checks;
 mod discretisation;
 mod keys;
+mod mixed;
 
 pub use bia_kernel::solving::Stepping;
 pub use discretisation::{Basis, Discretisation, Frame, Placement, Transfer};
 pub use keys::KEYS;
+pub use mixed::{ElementSize, MixedSettings, Stabilization, Variant};
 
 use bia_constitutive::{Kinematics, MaterialSource};
 use bia_kernel::diagnostic::InputErrors;
@@ -15,6 +17,8 @@ use bia_kernel::parameters::{Parameters, Settings};
 use bia_kernel::solving::linear::{self, Nature};
 use bia_kernel::solving::{Criterion, MeshSource, Newmark, Newton};
 use checks::{check_explicit, check_implicit, check_scheme};
+use discretisation::check_frame;
+use mixed::check_mixed;
 use std::path::Path;
 
 /// What kind of equilibrium is sought.
@@ -92,6 +96,8 @@ pub struct SolverSettings {
     pub conserves_energy: bool,
     /// Share of FLIP in the velocity of the points of implicit dynamics; the rest is PIC.
     pub flip_fraction: f64,
+    /// Nodal pressures, if the formulation has them.
+    pub mixed: Option<MixedSettings>,
     /// Newton's method.
     pub newton: Newton,
     /// The user's linear solver settings.
@@ -134,12 +140,6 @@ impl SolverSettings {
         if axisymmetric && dimension != 2 {
             errors.push(s.error("axis_symmetric_flag", "needs domain_size 2"));
         }
-        if s.flag("pressure_dofs") {
-            errors.push(
-                s.error("pressure_dofs", "the mixed displacement-pressure formulation is not part of this build")
-                    .help("set pressure_dofs to false and use a compressible law"),
-            );
-        }
         let regime = match s.text("solver_type").to_lowercase().replace('-', "_").as_str() {
             "static" => Regime::Static,
             "quasi_static" => Regime::QuasiStatic,
@@ -147,6 +147,8 @@ impl SolverSettings {
         };
         let is_explicit = regime == Regime::Dynamic && s.text("time_integration_method") == "explicit";
         check_scheme(&s, is_explicit, &mut errors);
+        check_mixed(&s, is_explicit, &mut errors);
+        check_frame(&s, &mut errors);
         if is_explicit {
             check_explicit(&s, &mut errors);
         } else {
@@ -170,6 +172,7 @@ impl SolverSettings {
             point_gamma: if s.text("point_velocity_rule") == "scheme" { newmark(&s).gamma() } else { 0.5 },
             conserves_energy: conserves_energy(&s),
             flip_fraction: if let Transfer::Flip(fraction) = Transfer::of(&s) { fraction } else { 1.0 },
+            mixed: MixedSettings::of(&s),
             newton: newton(&s),
             linear: s.get("linear_solver_settings").cloned(),
             stepping,
@@ -189,7 +192,7 @@ impl SolverSettings {
 
     /// Keys that were given a value of their own but that the chosen method does not read.
     pub fn unread(&self) -> Vec<String> {
-        let (method, keys): (_, &[&str]) = match (self.regime, &self.explicit) {
+        let (method, keys): (_, &'static [&'static str]) = match (self.regime, &self.explicit) {
             (_, Some(_)) => ("an explicit", &["newmark_beta", "damp_factor_m", "max_iteration"]),
             (Regime::Dynamic, None) => ("an implicit", &["stress_update", "compressible", "position_update"]),
             (_, None) => (
@@ -206,6 +209,10 @@ impl SolverSettings {
                 ],
             ),
         };
+        let of_pressures: &'static [&'static str] = match self.mixed {
+            Some(_) => &[],
+            None => &["stabilization", "stabilization_parameters", "volumetric_law"],
+        };
         let default = |key: &str| KEYS.iter().find(|k| k.name == key).map(|k| k.default);
         let is_default = |key: &str| match (default(key), self.settings.get(key)) {
             (Some(bia_kernel::parameters::Default::Json(text)), Some(given)) => {
@@ -213,10 +220,13 @@ impl SolverSettings {
             }
             _ => true,
         };
-        let unread = keys.iter().filter(|key| self.settings.given(key) && !is_default(key));
-        unread
-            .map(|key| self.settings.error(key, format!("{key:?} has no effect in {method} run")).to_string())
-            .collect()
+        let unread = |keys: &'static [&'static str]| {
+            keys.iter().filter(|key| self.settings.given(key) && !is_default(key)).copied()
+        };
+        let tell =
+            |key: &str, place: &str| self.settings.error(key, format!("{key:?} has no effect {place}")).to_string();
+        let of_method = unread(keys).map(|key| tell(key, &format!("in {method} run")));
+        of_method.chain(unread(of_pressures).map(|key| tell(key, "without pressure_dofs"))).collect()
     }
 
     /// When in a step the forces act that move the points, as a share of it: with the deformation at
@@ -238,7 +248,8 @@ impl SolverSettings {
     /// # Errors
     /// Unknown solver names and keys.
     pub fn linear_method(&self, symmetric: bool) -> Result<Method, InputErrors> {
-        linear::method(self.linear.as_ref(), Nature { symmetric, dimension: self.dimension })
+        let definite = self.mixed.is_none();
+        linear::method(self.linear.as_ref(), Nature { symmetric, definite, dimension: self.dimension })
     }
 
     /// Kinematics of the scene; plane stress is a matter of each law.

@@ -40,6 +40,14 @@ pub fn allocate(request: StackReq) -> Result<MemBuffer, LinearError> {
     MemBuffer::try_new(request).map_err(|_| LinearError::OutOfMemory)
 }
 
+/// A vector of zeros.
+pub fn zeros(length: usize) -> Result<Vec<f64>, LinearError> {
+    let mut vector = Vec::new();
+    vector.try_reserve_exact(length).map_err(|_| LinearError::OutOfMemory)?;
+    vector.resize(length, 0.0);
+    Ok(vector)
+}
+
 pub fn out_of_memory(_: FaerError) -> LinearError {
     // The other case, an index overflow, means factors with more than 2^31 entries.
     LinearError::OutOfMemory

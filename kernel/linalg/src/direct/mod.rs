@@ -1,25 +1,33 @@
 //! Direct solvers: a factorisation of faer between checks of its input and of its result.
 
+mod backward_error;
 mod factors;
-mod lu;
+mod multifrontal;
 mod probe;
 mod symmetric;
 #[cfg(test)]
 mod tests;
 
-pub use lu::Lu;
-pub use symmetric::{Cholesky, Ldlt, PivotedLdlt};
+pub use multifrontal::Lu;
 
-use crate::vector::{norm, position_of_greatest};
+/// Sparse `L L^T`.
+pub type Cholesky = symmetric::Symmetric<symmetric::Cholesky>;
+/// Sparse `L D L^T`.
+pub type Ldlt = symmetric::Symmetric<symmetric::Ldlt>;
+
+use crate::vector::norm;
 use crate::{BlockMatrix, BlockPattern, LinearError, LinearSolver, SolveReport};
+use backward_error::{BackwardError, Magnitudes};
 use factors::Factorisation;
 use probe::Probe;
 use std::sync::Arc;
 
-/// Relative residual above which one step of iterative refinement is made.
-const REFINE_ABOVE: f64 = 1e-12;
-/// Relative residual above which a solution is refused.
-const REFUSE_ABOVE: f64 = 1e-6;
+/// Backward error above which a solution is refined.
+const REFINE_ABOVE: f64 = 1e-13;
+/// Steps of iterative refinement at most.
+const REFINEMENTS: usize = 5;
+/// Backward error above which a solution is refused.
+const REFUSE_ABOVE: f64 = 1e-10;
 
 /// A direct solver around the factorisation `F`.
 #[derive(Default)]
@@ -28,6 +36,7 @@ pub struct Direct<F> {
     analysed: Option<Arc<BlockPattern>>,
     work: Vec<f64>,
     residual: Vec<f64>,
+    magnitudes: Magnitudes,
 }
 
 impl<F: Factorisation> LinearSolver for Direct<F> {
@@ -47,8 +56,11 @@ impl<F: Factorisation> LinearSolver for Direct<F> {
         let (solution, probed) = self.work.split_at(order);
         probe.judge(a, probed)?;
         x.copy_from_slice(solution);
-        let residual = self.refine(a, rhs, x)?;
-        Ok(SolveReport { residual, negative_pivots: self.factors.negative_pivots(), ..SolveReport::default() })
+        let backward_error = self.refine(a, rhs, x)?;
+        let scale = norm(rhs);
+        let residual = if scale > 0.0 { norm(&self.residual) / scale } else { 0.0 };
+        let negative_pivots = self.factors.negative_pivots();
+        Ok(SolveReport { residual, backward_error: Some(backward_error), negative_pivots, ..SolveReport::default() })
     }
 }
 
@@ -62,35 +74,38 @@ impl<F: Factorisation> Direct<F> {
         self.factors.factorise(a)
     }
 
-    /// Computes the true residual and improves `x` once if that is worth it.
+    /// Computes the true residual and improves `x` as long as that is worth it; returns the backward error.
     fn refine(&mut self, a: &BlockMatrix, rhs: &[f64], x: &mut [f64]) -> Result<f64, LinearError> {
-        let scale = norm(rhs);
-        if scale == 0.0 {
-            x.fill(0.0);
-            return Ok(0.0);
-        }
-        self.residual.resize(rhs.len(), 0.0);
-        a.residual(rhs, x, &mut self.residual);
-        let mut residual = norm(&self.residual) / scale;
-        if residual > REFINE_ABOVE {
-            self.work.clear();
-            self.work.extend_from_slice(&self.residual);
-            self.factors.solve(&mut self.work, 1)?;
-            for (correction, x) in self.work.iter_mut().zip(x.iter()) {
+        let Self { factors, work, residual, magnitudes, .. } = self;
+        residual.resize(rhs.len(), 0.0);
+        a.residual(rhs, x, residual);
+        let mut error = magnitudes.backward_error(a, rhs, x, residual);
+        for _ in 0..REFINEMENTS {
+            if error.value <= REFINE_ABOVE {
+                break;
+            }
+            work.clone_from(residual);
+            factors.solve(work, 1)?;
+            for (correction, x) in work.iter_mut().zip(x.iter()) {
                 *correction += x;
             }
-            a.residual(rhs, &self.work, &mut self.residual);
-            let refined = norm(&self.residual) / scale;
-            if refined < residual {
-                x.copy_from_slice(&self.work);
-                residual = refined;
-            } else {
-                a.residual(rhs, x, &mut self.residual);
+            a.residual(rhs, work, residual);
+            let refined = magnitudes.backward_error(a, rhs, work, residual);
+            let BackwardError { value, .. } = std::mem::replace(&mut error, refined);
+            if refined.value < value {
+                x.copy_from_slice(work);
+            }
+            if refined.value > 0.5 * value {
+                if refined.value >= value {
+                    a.residual(rhs, x, residual);
+                    error = magnitudes.backward_error(a, rhs, x, residual);
+                }
+                break;
             }
         }
-        if residual <= REFUSE_ABOVE {
-            return Ok(residual);
+        if error.value <= REFUSE_ABOVE {
+            return Ok(error.value);
         }
-        Err(LinearError::Inaccurate { dof: position_of_greatest(self.residual.iter().map(|r| r.abs())), residual })
+        Err(LinearError::Inaccurate { dof: error.dof, backward_error: error.value })
     }
 }

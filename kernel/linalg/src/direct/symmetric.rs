@@ -1,21 +1,22 @@
-//! Factorisations of symmetric matrices: `L L^T`, `L D L^T`, and `L B L^T` with pivoting in supernodes.
+//! Factorisations of symmetric matrices: `L L^T` and `L D L^T`.
 
-use super::factors::{COLUMNS, Factorisation, ScalarColumns, allocate, check_size, out_of_memory};
+use super::factors::{COLUMNS, Factorisation, ScalarColumns, allocate, check_size, out_of_memory, zeros};
+use super::multifrontal::minimum_degree;
 use crate::{BlockMatrix, BlockPattern, LinearError};
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::cholesky::ldlt::factor::LdltError;
 use faer::linalg::cholesky::llt::factor::LltError;
 use faer::perm::PermRef;
 use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, IntranodeLbltRef, LdltRef, LltRef, SymbolicCholesky, SymbolicCholeskyRaw,
-    SymmetricOrdering, factorize_symbolic_cholesky, supernodal::SupernodalLdltRef,
+    CholeskySymbolicParams, LdltRef, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
+    factorize_symbolic_cholesky, supernodal::SupernodalLdltRef,
 };
-use faer::sparse::linalg::{SupernodalThreshold, amd};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par, Side};
+use std::marker::PhantomData;
 
 /// One triangle of the matrix, the structure of its factor, and memory for both.
-struct Analysis {
+pub struct Analysis {
     columns: ScalarColumns,
     symbolic: SymbolicCholesky<u32>,
     factor: Vec<f64>,
@@ -23,26 +24,21 @@ struct Analysis {
 }
 
 impl Analysis {
-    fn new(
-        pattern: &BlockPattern,
-        threshold: SupernodalThreshold,
-        scratch: impl Fn(&SymbolicCholesky<u32>) -> StackReq,
-    ) -> Result<Self, LinearError> {
+    fn new(pattern: &BlockPattern, scratch: impl Fn(&SymbolicCholesky<u32>) -> StackReq) -> Result<Self, LinearError> {
         let columns = lower_structure(pattern)?;
         let order = pattern.order();
         let (forward, inverse) = minimum_degree(pattern)?;
+        let (forward, inverse) = (expanded(&forward, pattern.block()), expanded(&inverse, pattern.block()));
         let symbolic = factorize_symbolic_cholesky(
             SymbolicSparseColMatRef::new_checked(order, order, &columns.start, None, &columns.rows),
             Side::Lower,
             SymmetricOrdering::Custom(PermRef::new_checked(&forward, &inverse, order)),
-            CholeskySymbolicParams { supernodal_flop_ratio_threshold: threshold, ..Default::default() },
+            CholeskySymbolicParams::default(),
         )
         .map_err(out_of_memory)?;
         let solve = symbolic.solve_in_place_scratch::<f64>(COLUMNS, Par::Seq);
         let memory = allocate(scratch(&symbolic).or(solve))?;
-        let mut factor = Vec::new();
-        factor.try_reserve_exact(symbolic.len_val()).map_err(|_| LinearError::OutOfMemory)?;
-        factor.resize(symbolic.len_val(), 0.0);
+        let factor = zeros(symbolic.len_val())?;
         Ok(Self { columns, symbolic, factor, memory })
     }
 
@@ -99,19 +95,9 @@ fn fill_lower(a: &BlockMatrix, values: &mut [f64]) {
     }
 }
 
-/// Approximate minimum degree order of the nodes (Amestoy, Davis and Duff 1996), expanded to scalars: the
-/// unknowns of a node have the same neighbours, so ordering nodes is as good and much cheaper.
-fn minimum_degree(pattern: &BlockPattern) -> Result<(Vec<u32>, Vec<u32>), LinearError> {
-    let (rows, block) = (pattern.rows(), pattern.block());
-    let graph = SymbolicSparseColMatRef::new_checked(rows, rows, pattern.row_start(), None, pattern.columns());
-    let (mut forward, mut inverse) = (vec![0u32; rows], vec![0u32; rows]);
-    let mut memory = allocate(amd::order_scratch::<u32>(rows, pattern.entries()))?;
-    amd::order(&mut forward, &mut inverse, graph, amd::Control::default(), MemStack::new(&mut memory))
-        .map_err(out_of_memory)?;
-    let expand = |order: &[u32]| -> Vec<u32> {
-        order.iter().flat_map(|&node| (0..block).map(move |i| node * block as u32 + i as u32)).collect()
-    };
-    Ok((expand(&forward), expand(&inverse)))
+/// An order of nodes, expanded to their unknowns.
+fn expanded(order: &[u32], block: usize) -> Vec<u32> {
+    order.iter().flat_map(|&node| (0..block).map(move |i| node * block as u32 + i as u32)).collect()
 }
 
 fn lower_view(columns: &ScalarColumns) -> SparseColMatRef<'_, u32, f64> {
@@ -120,93 +106,142 @@ fn lower_view(columns: &ScalarColumns) -> SparseColMatRef<'_, u32, f64> {
     SparseColMatRef::new(structure, &columns.values)
 }
 
-/// `A = L L^T`.
+/// A factorisation of one triangle.
 #[derive(Default)]
-pub struct Cholesky(Option<Analysis>);
-
-impl Factorisation for Cholesky {
-    const NAME: &'static str = "sparse Cholesky factorisation";
-
-    fn analyse(&mut self, pattern: &BlockPattern) -> Result<(), LinearError> {
-        let scratch = |symbolic: &SymbolicCholesky<u32>| {
-            symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default())
-        };
-        self.0 = Some(Analysis::new(pattern, SupernodalThreshold::AUTO, scratch)?);
-        Ok(())
-    }
-
-    fn factorise(&mut self, a: &BlockMatrix) -> Result<(), LinearError> {
-        let Some(analysis) = &mut self.0 else { return Ok(()) };
-        fill_lower(a, &mut analysis.columns.values);
-        let result = analysis.symbolic.factorize_numeric_llt(
-            &mut analysis.factor,
-            lower_view(&analysis.columns),
-            Side::Lower,
-            Default::default(),
-            Par::Seq,
-            MemStack::new(&mut analysis.memory),
-            Default::default(),
-        );
-        let failed = match result {
-            Ok(_) => return Ok(()),
-            Err(LltError::NonPositivePivot { index }) => index,
-        };
-        Err(LinearError::NotPositiveDefinite { dof: analysis.dof_of_pivot(failed) })
-    }
-
-    fn solve(&mut self, rhs: &mut [f64], columns: usize) -> Result<(), LinearError> {
-        if let Some(Analysis { symbolic, factor, memory, .. }) = &mut self.0 {
-            let rhs = MatMut::from_column_major_slice_mut(rhs, symbolic.nrows(), columns);
-            LltRef::new(symbolic, factor).solve_in_place_with_conj(Conj::No, rhs, Par::Seq, MemStack::new(memory));
-        }
-        Ok(())
-    }
+pub struct Symmetric<K> {
+    analysis: Option<Analysis>,
+    kind: PhantomData<K>,
 }
 
-/// `A = L D L^T` without pivoting.
-#[derive(Default)]
-pub struct Ldlt(Option<Analysis>);
+/// What distinguishes the factorisations of one triangle.
+pub trait Kind: Default + Send {
+    /// The method in words, for the log.
+    const NAME: &'static str;
 
-impl Factorisation for Ldlt {
-    const NAME: &'static str = "sparse L D L^T factorisation";
+    /// Memory for [`Self::factorise`].
+    fn scratch(symbolic: &SymbolicCholesky<u32>) -> StackReq;
+
+    /// Computes the factor; on failure returns faer's number of the pivot.
+    fn factorise(analysis: &mut Analysis) -> Result<(), usize>;
+
+    /// What a failed pivot means.
+    fn error(dof: usize) -> LinearError;
+
+    /// Solves in place.
+    fn solve(analysis: &mut Analysis, rhs: MatMut<'_, f64>);
+
+    /// Number of negative pivots, where it says something.
+    fn negative_pivots(analysis: &Analysis) -> Option<usize>;
+}
+
+impl<K: Kind> Factorisation for Symmetric<K> {
+    const NAME: &'static str = K::NAME;
 
     fn analyse(&mut self, pattern: &BlockPattern) -> Result<(), LinearError> {
-        let scratch = |symbolic: &SymbolicCholesky<u32>| {
-            symbolic.factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Default::default())
-        };
-        self.0 = Some(Analysis::new(pattern, SupernodalThreshold::AUTO, scratch)?);
+        self.analysis = Some(Analysis::new(pattern, K::scratch)?);
         Ok(())
     }
 
     fn factorise(&mut self, a: &BlockMatrix) -> Result<(), LinearError> {
-        let Some(analysis) = &mut self.0 else { return Ok(()) };
+        let Some(analysis) = &mut self.analysis else { return Ok(()) };
         fill_lower(a, &mut analysis.columns.values);
-        let result = analysis.symbolic.factorize_numeric_ldlt(
-            &mut analysis.factor,
-            lower_view(&analysis.columns),
-            Side::Lower,
-            Default::default(),
-            Par::Seq,
-            MemStack::new(&mut analysis.memory),
-            Default::default(),
-        );
-        let failed = match result {
-            Ok(_) => return Ok(()),
-            Err(LdltError::ZeroPivot { index }) => index,
-        };
-        Err(LinearError::Singular { dof: analysis.dof_of_pivot(failed) })
+        K::factorise(analysis).map_err(|pivot| K::error(analysis.dof_of_pivot(pivot)))
     }
 
     fn solve(&mut self, rhs: &mut [f64], columns: usize) -> Result<(), LinearError> {
-        if let Some(Analysis { symbolic, factor, memory, .. }) = &mut self.0 {
-            let rhs = MatMut::from_column_major_slice_mut(rhs, symbolic.nrows(), columns);
-            LdltRef::new(symbolic, factor).solve_in_place_with_conj(Conj::No, rhs, Par::Seq, MemStack::new(memory));
+        if let Some(analysis) = &mut self.analysis {
+            let order = analysis.symbolic.nrows();
+            K::solve(analysis, MatMut::from_column_major_slice_mut(rhs, order, columns));
         }
         Ok(())
     }
 
     fn negative_pivots(&self) -> Option<usize> {
-        let Analysis { symbolic, factor, .. } = self.0.as_ref()?;
+        K::negative_pivots(self.analysis.as_ref()?)
+    }
+}
+
+/// `A = L L^T`.
+#[derive(Default)]
+pub struct Cholesky;
+
+impl Kind for Cholesky {
+    const NAME: &'static str = "sparse Cholesky factorisation";
+
+    fn scratch(symbolic: &SymbolicCholesky<u32>) -> StackReq {
+        symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default())
+    }
+
+    fn factorise(analysis: &mut Analysis) -> Result<(), usize> {
+        let Analysis { columns, symbolic, factor, memory } = analysis;
+        let (a, stack) = (lower_view(columns), MemStack::new(memory));
+        match symbolic.factorize_numeric_llt(
+            factor,
+            a,
+            Side::Lower,
+            Default::default(),
+            Par::Seq,
+            stack,
+            Default::default(),
+        ) {
+            Ok(_) => Ok(()),
+            Err(LltError::NonPositivePivot { index }) => Err(index),
+        }
+    }
+
+    fn error(dof: usize) -> LinearError {
+        LinearError::NotPositiveDefinite { dof }
+    }
+
+    fn solve(analysis: &mut Analysis, rhs: MatMut<'_, f64>) {
+        let Analysis { symbolic, factor, memory, .. } = analysis;
+        LltRef::new(symbolic, factor).solve_in_place_with_conj(Conj::No, rhs, Par::Seq, MemStack::new(memory));
+    }
+
+    fn negative_pivots(_: &Analysis) -> Option<usize> {
+        None
+    }
+}
+
+/// `A = L D L^T` without pivoting.
+#[derive(Default)]
+pub struct Ldlt;
+
+impl Kind for Ldlt {
+    const NAME: &'static str = "sparse L D L^T factorisation";
+
+    fn scratch(symbolic: &SymbolicCholesky<u32>) -> StackReq {
+        symbolic.factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Default::default())
+    }
+
+    fn factorise(analysis: &mut Analysis) -> Result<(), usize> {
+        let Analysis { columns, symbolic, factor, memory } = analysis;
+        let (a, stack) = (lower_view(columns), MemStack::new(memory));
+        match symbolic.factorize_numeric_ldlt(
+            factor,
+            a,
+            Side::Lower,
+            Default::default(),
+            Par::Seq,
+            stack,
+            Default::default(),
+        ) {
+            Ok(_) => Ok(()),
+            Err(LdltError::ZeroPivot { index }) => Err(index),
+        }
+    }
+
+    fn error(dof: usize) -> LinearError {
+        LinearError::Singular { dof }
+    }
+
+    fn solve(analysis: &mut Analysis, rhs: MatMut<'_, f64>) {
+        let Analysis { symbolic, factor, memory, .. } = analysis;
+        LdltRef::new(symbolic, factor).solve_in_place_with_conj(Conj::No, rhs, Par::Seq, MemStack::new(memory));
+    }
+
+    fn negative_pivots(analysis: &Analysis) -> Option<usize> {
+        let Analysis { symbolic, factor, .. } = analysis;
         Some(match symbolic.raw() {
             // D stands in the place of the unit diagonal of L, first in each column.
             SymbolicCholeskyRaw::Simplicial(raw) => {
@@ -221,62 +256,5 @@ impl Factorisation for Ldlt {
                 (0..raw.n_supernodes()).map(negative).sum()
             }
         })
-    }
-}
-
-/// `A = L B L^T` where `B` has blocks of 1 x 1 and 2 x 2 (Bunch and Kaufman 1977); pivots are exchanged only inside
-/// supernodes, so that the structure of the factor is known beforehand.
-#[derive(Default)]
-pub struct PivotedLdlt(Option<Pivoted>);
-
-struct Pivoted {
-    analysis: Analysis,
-    subdiagonal: Vec<f64>,
-    forward: Vec<u32>,
-    inverse: Vec<u32>,
-}
-
-impl Factorisation for PivotedLdlt {
-    const NAME: &'static str = "sparse L B L^T factorisation with pivoting in supernodes";
-
-    fn analyse(&mut self, pattern: &BlockPattern) -> Result<(), LinearError> {
-        let scratch = |symbolic: &SymbolicCholesky<u32>| {
-            symbolic.factorize_numeric_intranode_lblt_scratch::<f64>(Par::Seq, Default::default())
-        };
-        // Without supernodes faer would not pivot at all.
-        let analysis = Analysis::new(pattern, SupernodalThreshold::FORCE_SUPERNODAL, scratch)?;
-        let order = pattern.order();
-        let (forward, inverse) = (vec![0; order], vec![0; order]);
-        self.0 = Some(Pivoted { analysis, subdiagonal: vec![0.0; order], forward, inverse });
-        Ok(())
-    }
-
-    fn factorise(&mut self, a: &BlockMatrix) -> Result<(), LinearError> {
-        let Some(Pivoted { analysis, subdiagonal, forward, inverse }) = &mut self.0 else { return Ok(()) };
-        fill_lower(a, &mut analysis.columns.values);
-        analysis.symbolic.factorize_numeric_intranode_lblt(
-            &mut analysis.factor,
-            subdiagonal,
-            forward,
-            inverse,
-            lower_view(&analysis.columns),
-            Side::Lower,
-            Par::Seq,
-            MemStack::new(&mut analysis.memory),
-            Default::default(),
-        );
-        Ok(())
-    }
-
-    fn solve(&mut self, rhs: &mut [f64], columns: usize) -> Result<(), LinearError> {
-        if let Some(Pivoted { analysis, subdiagonal, forward, inverse }) = &mut self.0 {
-            let Analysis { symbolic, factor, memory, .. } = analysis;
-            let order = symbolic.nrows();
-            let factors =
-                IntranodeLbltRef::new(symbolic, factor, subdiagonal, PermRef::new_checked(forward, inverse, order));
-            let rhs = MatMut::from_column_major_slice_mut(rhs, order, columns);
-            factors.solve_in_place_with_conj(Conj::No, rhs, Par::Seq, MemStack::new(memory));
-        }
-        Ok(())
     }
 }

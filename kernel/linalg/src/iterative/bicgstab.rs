@@ -1,7 +1,7 @@
 //! Preconditioned BiCGSTAB (van der Vorst 1992).
 
-use super::IterativeSettings;
 use super::preconditioning::{Definiteness, Preconditioning};
+use super::{IterativeSettings, Krylov};
 use crate::vector::{add_scaled, dot, norm};
 use crate::{BlockMatrix, LinearError, LinearSolver, SolveReport};
 
@@ -32,10 +32,25 @@ impl BiCgStab {
         let preconditioning = Preconditioning::new(settings.preconditioner, Definiteness::Unknown);
         Self { settings, preconditioning, work: Work::default() }
     }
+}
 
-    /// Iterates until the recurrence says that the residual is below `target`, or breaks down; returns the iterations
-    /// done.
-    fn iterate(&mut self, a: &BlockMatrix, x: &mut [f64], target: f64, maximum: usize) -> usize {
+impl Krylov for BiCgStab {
+    fn settings(&self) -> &IterativeSettings {
+        &self.settings
+    }
+
+    fn prepare(&mut self, a: &BlockMatrix) -> Result<(), LinearError> {
+        let Work { residual, shadow, direction, image, preconditioned, stabiliser } = &mut self.work;
+        let work = [residual, shadow, direction, image, preconditioned, stabiliser];
+        work.into_iter().for_each(|vector| vector.resize(a.pattern.order(), 0.0));
+        self.preconditioning.set_up(a)
+    }
+
+    fn residual(&mut self) -> &mut [f64] {
+        &mut self.work.residual
+    }
+
+    fn cycle(&mut self, a: &BlockMatrix, x: &mut [f64], target: f64, maximum: usize) -> Result<usize, LinearError> {
         let Work { residual, shadow, direction, image, preconditioned, stabiliser } = &mut self.work;
         shadow.copy_from_slice(residual);
         direction.copy_from_slice(residual);
@@ -43,32 +58,32 @@ impl BiCgStab {
         let mut product = dot(shadow, residual);
         for iteration in 0..maximum {
             if norm(residual) <= target {
-                return iteration;
+                return Ok(iteration);
             }
             self.preconditioning.apply(a, direction, preconditioned);
             a.multiply(preconditioned, image);
             let overlap = dot(shadow, image);
             if vanishes(overlap, shadow_norm * norm(image)) {
-                return iteration;
+                return Ok(iteration);
             }
             let step = product / overlap;
             add_scaled(x, step, preconditioned);
             add_scaled(residual, -step, image);
             if norm(residual) <= target {
-                return iteration + 1;
+                return Ok(iteration + 1);
             }
             self.preconditioning.apply(a, residual, preconditioned);
             a.multiply(preconditioned, stabiliser);
             let (length, descent) = (dot(stabiliser, stabiliser), dot(stabiliser, residual));
             if vanishes(descent, length.sqrt() * norm(residual)) {
-                return iteration + 1;
+                return Ok(iteration + 1);
             }
             let damping = descent / length;
             add_scaled(x, damping, preconditioned);
             add_scaled(residual, -damping, stabiliser);
             let next = dot(shadow, residual);
             if vanishes(next, shadow_norm * norm(residual)) {
-                return iteration + 1;
+                return Ok(iteration + 1);
             }
             let factor = next / product * (step / damping);
             product = next;
@@ -76,7 +91,7 @@ impl BiCgStab {
                 *p = r + factor * (*p - damping * v);
             }
         }
-        maximum
+        Ok(maximum)
     }
 }
 
@@ -92,27 +107,6 @@ impl LinearSolver for BiCgStab {
 
     fn solve(&mut self, a: &BlockMatrix, rhs: &[f64], x: &mut [f64]) -> Result<SolveReport, LinearError> {
         a.check(rhs, x)?;
-        let Work { residual, shadow, direction, image, preconditioned, stabiliser } = &mut self.work;
-        let work = [residual, shadow, direction, image, preconditioned, stabiliser];
-        work.into_iter().for_each(|vector| vector.resize(rhs.len(), 0.0));
-        let scale = norm(rhs);
-        let settings = self.settings.clone();
-        settings.start(scale, x);
-        if scale == 0.0 {
-            return Ok(SolveReport { iterations: Some(0), ..SolveReport::default() });
-        }
-        self.preconditioning.set_up(a)?;
-        let mut iterations = 0;
-        a.residual(rhs, x, &mut self.work.residual);
-        // A breakdown and a drift of the recurrence are both cured by a new shadow vector.
-        loop {
-            let left = settings.maximum_iterations - iterations;
-            let done = self.iterate(a, x, settings.tolerance * scale, left);
-            iterations += done;
-            a.residual(rhs, x, &mut self.work.residual);
-            if let Some(result) = settings.judge(norm(&self.work.residual) / scale, iterations, done) {
-                return result;
-            }
-        }
+        self.run(a, rhs, x)
     }
 }

@@ -1,7 +1,7 @@
 //! Preconditioned conjugate gradients (Hestenes and Stiefel 1952).
 
-use super::IterativeSettings;
 use super::preconditioning::{Definiteness, Preconditioning};
+use super::{IterativeSettings, Krylov};
 use crate::vector::{add_scaled, dot, norm, position_of_greatest, scale_and_add};
 use crate::{BlockMatrix, LinearError, LinearSolver, SolveReport};
 
@@ -21,9 +21,24 @@ impl ConjugateGradient {
         let [residual, preconditioned, direction, image] = [const { Vec::new() }; 4];
         Self { settings, preconditioning, residual, preconditioned, direction, image }
     }
+}
 
-    /// Iterates until the recurrence says that the residual is below `target`; returns the iterations done.
-    fn iterate(&mut self, a: &BlockMatrix, x: &mut [f64], target: f64, maximum: usize) -> Result<usize, LinearError> {
+impl Krylov for ConjugateGradient {
+    fn settings(&self) -> &IterativeSettings {
+        &self.settings
+    }
+
+    fn prepare(&mut self, a: &BlockMatrix) -> Result<(), LinearError> {
+        let work = [&mut self.residual, &mut self.preconditioned, &mut self.direction, &mut self.image];
+        work.into_iter().for_each(|vector| vector.resize(a.pattern.order(), 0.0));
+        self.preconditioning.set_up(a)
+    }
+
+    fn residual(&mut self) -> &mut [f64] {
+        &mut self.residual
+    }
+
+    fn cycle(&mut self, a: &BlockMatrix, x: &mut [f64], target: f64, maximum: usize) -> Result<usize, LinearError> {
         let Self { preconditioning, residual, preconditioned, direction, image, .. } = self;
         let mut previous = 0.0;
         for iteration in 0..maximum {
@@ -59,26 +74,6 @@ impl LinearSolver for ConjugateGradient {
 
     fn solve(&mut self, a: &BlockMatrix, rhs: &[f64], x: &mut [f64]) -> Result<SolveReport, LinearError> {
         a.check(rhs, x)?;
-        let work = [&mut self.residual, &mut self.preconditioned, &mut self.direction, &mut self.image];
-        work.into_iter().for_each(|vector| vector.resize(rhs.len(), 0.0));
-        let scale = norm(rhs);
-        let settings = self.settings.clone();
-        settings.start(scale, x);
-        if scale == 0.0 {
-            return Ok(SolveReport { iterations: Some(0), ..SolveReport::default() });
-        }
-        self.preconditioning.set_up(a)?;
-        let mut iterations = 0;
-        a.residual(rhs, x, &mut self.residual);
-        // Rounding lets the recurrence drift from the true residual: start again until both agree.
-        loop {
-            let left = settings.maximum_iterations - iterations;
-            let done = self.iterate(a, x, settings.tolerance * scale, left)?;
-            iterations += done;
-            a.residual(rhs, x, &mut self.residual);
-            if let Some(result) = settings.judge(norm(&self.residual) / scale, iterations, done) {
-                return result;
-            }
-        }
+        self.run(a, rhs, x)
     }
 }

@@ -1,5 +1,9 @@
 //! Systems that several test modules solve.
 
+mod mixed;
+
+pub use mixed::{MixedBox, Pressure};
+
 use crate::{BlockMatrix, BlockPattern};
 use nalgebra::{DMatrix, SMatrix, Vector3};
 use std::sync::Arc;

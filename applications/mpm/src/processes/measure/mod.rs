@@ -1,0 +1,16 @@
+//! Measurements of material points as tables in time: values of single points, fronts and heights,
+//! totals.
+
+mod front;
+mod overfill;
+mod probe;
+mod totals;
+
+use bia_kernel::registry::Registry;
+
+/// Registers them.
+pub fn register(registry: &mut Registry) {
+    probe::register(registry);
+    front::register(registry);
+    totals::register(registry);
+}

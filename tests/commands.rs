@@ -1,0 +1,61 @@
+//! The commands beside `run` and `check`: `new`, `info`, `schema`, `completions`.
+
+use serde_json::Value;
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn bia(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_bia")).current_dir(folder).args(arguments).output().unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+#[test]
+fn each_template_is_a_project_that_is_right() {
+    let folder = tempfile::tempdir().unwrap();
+    for template in ["falling-disc", "colliding-discs", "rotating-body", "step-bar"] {
+        let made = bia(folder.path(), &["new", template, "--template", template]);
+        assert!(made.status.success(), "{}", text(&made.stderr));
+        let checked = bia(folder.path(), &["check", &format!("{template}/ProjectParameters.json")]);
+        assert!(checked.status.success(), "{template}: {}", text(&checked.stderr));
+    }
+    let again = bia(folder.path(), &["new", "falling-disc"]);
+    assert_eq!(again.status.code(), Some(2));
+    assert!(text(&again.stderr).contains("is there already"));
+}
+
+#[test]
+fn info_shows_keys_ranges_and_units() {
+    let folder = Path::new(".");
+    let all = text(&bia(folder, &["info"]).stdout);
+    for name in ["RegularGridModeler", "HyperElasticNeoHookean3DLaw", "MP_VELOCITY", "vtk_output_process", "dynamic"] {
+        assert!(all.contains(name), "{name} is missing");
+    }
+    let law = text(&bia(folder, &["info", "HyperElasticNeoHookean3DLaw"]).stdout);
+    assert!(law.contains("YOUNG_MODULUS") && law.contains("[Pa], > 0"), "{law}");
+    let solver = text(&bia(folder, &["info", "Dynamic"]).stdout);
+    assert!(solver.contains("flip_fraction") && solver.contains("default 1.0"), "{solver}");
+    let unknown = bia(folder, &["info", "RegularGridModler"]);
+    assert_eq!(unknown.status.code(), Some(2));
+    assert!(text(&unknown.stderr).contains("did you mean \"RegularGridModeler\""));
+}
+
+/// That it accepts what runs and refuses slips is checked in CI, with a validator.
+#[test]
+fn the_schema_knows_every_component() {
+    let schema: Value = serde_json::from_slice(&bia(Path::new("."), &["schema"]).stdout).unwrap();
+    let definitions = schema["$defs"].as_object().unwrap();
+    let step = &definitions["static"]["properties"]["time_stepping"]["properties"]["time_step"];
+    assert!(step["description"].as_str().unwrap().contains("[s]"), "{step}");
+    assert!(definitions.contains_key("BodyModeler") && definitions.contains_key("structural_static"));
+}
+
+#[test]
+fn shells_get_completions() {
+    for shell in ["bash", "zsh", "fish"] {
+        let output = bia(Path::new("."), &["completions", shell]);
+        assert!(output.status.success() && text(&output.stdout).contains("bia"), "{shell}");
+    }
+}

@@ -1,0 +1,14 @@
+//! Mixed displacement-pressure elements: Kratos's subscales to the last digits, patch tests, Newton's
+//! method, and what does not depend on Poisson's ratio. Each file names its sources.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod cook;
+mod membrane;
+mod memory;
+mod newton;
+mod patch;
+mod settings;
+mod water;
+mod wave;
