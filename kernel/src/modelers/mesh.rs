@@ -200,12 +200,20 @@ impl Mesh {
     /// Faces that belong to one cell only, in the order of the cells, seen counter-clockwise from
     /// outside (a line has the body on its left); of those alone whose nodes satisfy `wanted`.
     pub fn boundary(&self, wanted: impl Fn(&[u32]) -> bool) -> Vec<Vec<u32>> {
-        let sorted = |face: &[u32]| {
-            let mut key = [u32::MAX; 4];
-            key[..face.len()].copy_from_slice(face);
-            key.sort_unstable();
-            key
-        };
+        let (mut faces, seen) = self.faces(wanted);
+        faces.retain(|face| seen[&sorted(face)] == 1);
+        faces
+    }
+
+    /// Faces whose nodes satisfy `wanted`, each once and as the first of its cells sees them.
+    pub fn faces_once(&self, wanted: impl Fn(&[u32]) -> bool) -> Vec<Vec<u32>> {
+        let (mut faces, mut seen) = self.faces(wanted);
+        faces.retain(|face| seen.remove(&sorted(face)).is_some());
+        faces
+    }
+
+    /// Faces of all cells whose nodes satisfy `wanted`, and how often each occurs.
+    fn faces(&self, wanted: impl Fn(&[u32]) -> bool) -> (Vec<Vec<u32>>, HashMap<[u32; 4], usize>) {
         let mut found: Vec<Vec<u32>> = Vec::new();
         let mut owners: HashMap<[u32; 4], usize> = HashMap::new();
         for index in 0..self.len() {
@@ -218,9 +226,16 @@ impl Mesh {
                 }
             }
         }
-        found.retain(|face| owners[&sorted(face)] == 1);
-        found
+        (found, owners)
     }
+}
+
+/// The nodes of a face in ascending order, the same from both of its sides.
+fn sorted(face: &[u32]) -> [u32; 4] {
+    let mut key = [u32::MAX; 4];
+    key[..face.len()].copy_from_slice(face);
+    key.sort_unstable();
+    key
 }
 
 /// Lowest and highest coordinates of points.

@@ -18,7 +18,11 @@ const PART: &[Key] = &[
     Key::required("name", Kind::Text, "name of the sub model part"),
     Key::optional("side", Kind::Any, "min_x, max_x, …, or boundary for all of it; one or a list"),
     Key::optional("box", Kind::Object(BOX), "takes the nodes in this box, its surface included"),
-    Key::optional("conditions", Kind::Text, "registered condition to make of the part's boundary faces, or nodes"),
+    Key::optional(
+        "conditions",
+        Kind::Text,
+        "registered condition to make of the part's boundary faces, in a box without thickness of all its faces, or nodes",
+    ),
     Key::new(
         "orientation",
         Kind::Choice(&["outward", "inward"]),
@@ -150,7 +154,15 @@ impl NamedPart {
         };
         let boundary = matches!(self.choice, Choice::Boundary);
         let has_faces = self.condition.as_ref().is_some_and(|(_, shape)| *shape != Shape::Point1);
-        let faces = if boundary || has_faces { mesh.boundary(holds) } else { Vec::new() };
+        let is_plane = match &self.choice {
+            Choice::Box(low, high) => (0..mesh.shape.dimension()).any(|axis| high[axis] - low[axis] <= margin),
+            _ => false,
+        };
+        let faces = match boundary || has_faces {
+            true if is_plane => mesh.faces_once(holds),
+            true => mesh.boundary(holds),
+            false => Vec::new(),
+        };
         let nodes: Vec<u32> = if boundary {
             let mut nodes = faces.concat();
             nodes.sort_unstable();

@@ -110,6 +110,12 @@ pub struct Answers<const D: usize, const N: usize> {
     pub responses: [Response; CHUNK],
 }
 
+impl<const D: usize, const N: usize> Default for Answers<D, N> {
+    fn default() -> Self {
+        Self { kinematics: [const { None }; CHUNK], responses: [Response::default(); CHUNK] }
+    }
+}
+
 impl<const D: usize, const N: usize> PointKinematics<D, N> {
     /// Kinematics of a point under nodal increments.
     ///
@@ -173,9 +179,10 @@ impl Integrator<'_> {
         with_matrix: bool,
     ) -> Result<(), Failure> {
         let want = if with_matrix { Want::StressAndTangent } else { Want::Stress };
+        let mut answers = Answers::default();
         for run in points.chunk_by(|a, b| a.0 == b.0).flat_map(|run| run.chunks(CHUNK)) {
             let block = &self.blocks[run[0].0 as usize];
-            let answers = self.answers(basis, run, &state.increments, None, want)?;
+            self.answer(basis, run, &state.increments, None, want, &mut answers)?;
             for (k, &(_, point)) in run.iter().enumerate() {
                 let (Some(at), response) = (&answers.kinematics[k], &answers.responses[k]) else { continue };
                 let mass = block.mass.get::<1>(point as usize)[0];
@@ -194,23 +201,22 @@ impl Integrator<'_> {
     }
 
     /// Kinematics of a few points of one block, and what its law answers; with the nodal pressures of
-    /// the cell, if it has any.
+    /// the cell, if it has any; into `answers`, whose size does not bear to be moved about for each cell.
     ///
     /// # Errors
     /// An inverted deformation, or a law without an answer.
     #[inline(always)]
-    pub fn answers<B: PlacedBasis<D, N>, const D: usize, const N: usize>(
+    pub fn answer<B: PlacedBasis<D, N>, const D: usize, const N: usize>(
         &self,
         basis: &B,
         run: &[(u32, u32)],
         increments: &[[f64; D]; N],
         pressures: Option<&[f64; N]>,
         want: Want,
-    ) -> Result<Answers<D, N>, Failure> {
+        answers: &mut Answers<D, N>,
+    ) -> Result<(), Failure> {
         let block = &self.blocks[run[0].0 as usize];
-        let mut kinematics = [const { None }; CHUNK];
         let mut deformations = [Deformation::from_gradient(Matrix3::identity()); CHUNK];
-        let mut responses = [Response::default(); CHUNK];
         for (k, &(_, point)) in run.iter().enumerate() {
             let of_scene = (self.kinematics, self.frame);
             let at = PointKinematics::<D, N>::new(basis, block, point as usize, of_scene, increments)?;
@@ -220,15 +226,15 @@ impl Integrator<'_> {
             if let Some(pressures) = pressures {
                 deformations[k].pressure = Some(at.functions.iter().zip(pressures).map(|(n, p)| n * p).sum());
             }
-            kinematics[k] = Some(at);
+            answers.kinematics[k] = Some(at);
         }
         let mut states = gather_states(block, run);
         let count = run.len();
         block
             .law
-            .respond(&deformations[..count], &mut states, &mut responses[..count], want)
+            .respond(&deformations[..count], &mut states, &mut answers.responses[..count], want)
             .map_err(|(k, error)| law_failure(block, run[k].1 as usize, &deformations[k].gradient, &error))?;
-        Ok(Answers { kinematics, responses })
+        Ok(())
     }
 
     /// External minus internal forces of one point; `stride` numbers a node in the vector.

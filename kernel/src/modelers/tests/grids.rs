@@ -132,12 +132,17 @@ fn mapped_grids_and_bodies_lie_on_each_other() {
     let corners = json!([[0, 0], [48, 44], [48, 60], [0, 44]]);
     let part = grid(json!({"min": [0, -0.25, 0], "max": [1.25, 1.25, 0], "divisions": [10, 12], "map": corners,
         "parts": [{"name": "Clamp", "side": "min_x"},
-                  {"name": "Load", "box": {"min": [1, 0, 0], "max": [1, 1, 0]}}]}));
+                  {"name": "Load", "box": {"min": [1, 0, 0], "max": [1, 1, 0]}, "conditions": "Line"}]}));
     check_mesh(&part);
     let place = |node: u32| part.nodes.coordinates[node as usize];
     assert!(part.find("Clamp").unwrap().nodes.iter().all(|&node| place(node)[0] == 0.0));
     let load = &part.find("Load").unwrap().nodes;
     assert_eq!((load.len(), place(load[0]), place(load[8])), (9, [48.0, 44.0, 0.0], [48.0, 60.0, 0.0]));
+    // A load between cells, on faces that are those of the left cells.
+    assert_eq!(
+        (part.conditions.len(), sum_of_normals(&part, &part.conditions, &part.find("Load").unwrap().conditions)),
+        (8, [16.0, 0.0, 0.0])
+    );
     let unit = json!({"type": "box", "min": [0, 0, 0], "max": [1, 1, 0]});
     for shape in ["quadrilateral", "triangle"] {
         let body = body(json!({"primitive": unit, "divisions": [8, 8], "map": corners, "shape": shape,

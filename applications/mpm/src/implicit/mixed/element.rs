@@ -10,7 +10,9 @@
 
 use super::constants::Constants;
 use super::{kratos, projected, subscales};
-use crate::implicit::element::{CHUNK, CellState, Integrator, PointKinematics, add_scaled, consistent_inertia};
+use crate::implicit::element::{
+    Answers, CHUNK, CellState, Integrator, PointKinematics, add_scaled, consistent_inertia,
+};
 use bia_constitutive::Want;
 use bia_constitutive::tensor::{displacement_gradient, tensor_of, volume_change};
 use bia_kernel::error::Failure;
@@ -153,10 +155,11 @@ impl MixedIntegrator<'_> {
         with_matrix: bool,
     ) -> Result<(), Failure> {
         let want = if with_matrix { Want::StressAndTangent } else { Want::Stress };
+        let mut answers = Answers::default();
         for run in points.chunk_by(|a, b| a.0 == b.0).flat_map(|run| run.chunks(CHUNK)) {
             let index = run[0].0 as usize;
             let block = &self.base.blocks[index];
-            let answers = self.base.answers(basis, run, &state.motion.increments, Some(&state.pressures), want)?;
+            self.base.answer(basis, run, &state.motion.increments, Some(&state.pressures), want, &mut answers)?;
             for (k, &(_, point)) in run.iter().enumerate() {
                 let (Some(at), response) = (&answers.kinematics[k], &answers.responses[k]) else { continue };
                 let mass = block.mass.get::<1>(point as usize)[0];

@@ -1,6 +1,7 @@
-//! Measurements of material points as tables in time: values of single points, fronts and heights,
+//! Measurements of material points as tables in time: values of single points and conditions, fronts and heights,
 //! totals.
 
+mod condition;
 mod front;
 mod overfill;
 mod probe;
@@ -11,6 +12,7 @@ use bia_kernel::registry::Registry;
 /// Registers them.
 pub fn register(registry: &mut Registry) {
     probe::register(registry);
+    condition::register(registry);
     front::register(registry);
     totals::register(registry);
 }
