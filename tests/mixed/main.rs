@@ -5,6 +5,7 @@
 mod common;
 
 mod cook;
+mod fluids;
 mod membrane;
 mod memory;
 mod newton;
