@@ -26,6 +26,23 @@ fn each_template_is_a_project_that_is_right() {
     assert!(text(&again.stderr).contains("is there already"));
 }
 
+/// Each scene shows what it has and what it does without.
+#[test]
+fn explain_shows_columns_and_what_is_left_out() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let output = bia(root, &["explain", "examples/falling_disc/ProjectParameters.json", "--json"]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let plan: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let left: Vec<&str> = plan["left_out"].as_array().unwrap().iter().filter_map(Value::as_str).collect();
+    assert!(left.contains(&"pressure") && left.contains(&"law history"), "{left:?}");
+    let columns = plan["columns"].as_array().unwrap();
+    let position = columns.iter().find(|column| column["name"] == "position").unwrap();
+    assert_eq!(position["bytes"], 2048 * 2 * 8);
+    assert!(plan["stages"].as_array().unwrap().iter().any(|stage| stage == "linear solver"));
+    let shown = text(&bia(root, &["explain", "examples/falling_disc/ProjectParameters.json"]).stdout);
+    assert!(shown.contains("left out") && shown.contains("points to grid -> assembly"), "{shown}");
+}
+
 #[test]
 fn info_shows_keys_ranges_and_units() {
     let folder = Path::new(".");

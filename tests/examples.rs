@@ -68,6 +68,11 @@ fn each_example_has_its_number() {
         "colliding_discs",
         "cook",
         "cube_million",
+        "dgmpm_bar",
+        "dgmpm_block",
+        "dgmpm_notched_plate",
+        "dgmpm_plate",
+        "dgmpm_svk_bar",
         "falling_block",
         "falling_disc",
         "rotating_body",
@@ -227,4 +232,71 @@ fn the_swinging_bar_keeps_its_energy_with_one_scheme_and_loses_it_with_the_other
     }
     let document = run_file("tlmpm_energy", "ProjectParameters_document.json", 1);
     assert_close(energy(states(&document).last().unwrap()) / 5e-5, 0.954, 1e-3);
+}
+
+/// Least stress along x of the points whose other coordinates at the start are below a bound, sorted by
+/// x, up to the front, and the largest beyond it.
+fn row_of_points(record: &Value, state: &Value, bound: f64) -> Vec<f64> {
+    let start = rows(&states(record)[0], "mp", "MP_COORD");
+    let stress = state["mp"]["MP_CAUCHY_STRESS_VECTOR"].as_array().unwrap();
+    let mut row: Vec<(f64, f64)> = start
+        .iter()
+        .zip(stress)
+        .filter(|(x, _)| x[1] < bound && x[2] < bound)
+        .map(|(x, s)| (x[0], s[0].as_f64().unwrap()))
+        .collect();
+    row.sort_by(|a, b| a.0.total_cmp(&b.0));
+    row.into_iter().map(|(_, stress)| stress).collect()
+}
+
+/// Behind a plane front that has passed so many points of a row the stress is one number, ahead of it none.
+#[track_caller]
+fn assert_plane_front(row: &[f64], passed: usize, stress: f64) {
+    for (place, found) in row.iter().enumerate() {
+        let expected = if place < passed { stress } else { 0.0 };
+        assert!((found - expected).abs() < 1e-12 * stress.abs(), "point {place}: {found} Pa, not {expected} Pa");
+    }
+}
+
+#[test]
+fn the_front_in_the_elastic_bar_is_exact() {
+    let record = run("dgmpm_bar", 190);
+    for state in states(&record).iter().filter(|state| number(state, "/step") <= 150.0) {
+        let row = row_of_points(&record, state, 1.0);
+        assert_plane_front(&row, number(state, "/step") as usize, -1e9);
+        let moving = rows(state, "mp", "MP_VELOCITY")[0][0];
+        let speed = 1e9 / (7800.0 * (2e11_f64 / 7800.0).sqrt());
+        assert!(number(state, "/step") == 0.0 || (moving / speed - 1.0).abs() < 1e-12, "{moving} m/s");
+    }
+}
+
+#[test]
+fn the_loaded_end_of_the_kirchhoff_bar_is_that_of_the_simple_wave() {
+    let record = run("dgmpm_svk_bar", 1);
+    let last = states(&record).last().unwrap();
+    assert_close(rows(last, "mp", "MP_VELOCITY")[0][0], 20.316085, 1e-5);
+    assert_close(last["mp"]["MP_DEFORMATION_GRADIENT"][0][0].as_f64().unwrap(), 0.995_975_740_6, 1e-7);
+    for (file, load) in [("ProjectParameters_fan.json", -1e10), ("ProjectParameters_shock.json", 1e10)] {
+        let record = run_file("dgmpm_svk_bar", file, 1);
+        let stress = states(&record).last().unwrap()["mp"]["MP_PK1_STRESS_TENSOR"][0][0].as_f64().unwrap();
+        assert_close(stress, load, 1e-3);
+    }
+}
+
+/// −ρ c_p v of steel with these constants.
+fn plane_wave(young: f64, density: f64, velocity: f64) -> f64 {
+    -density * (young * 0.7 / (1.3 * 0.4) / density).sqrt() * velocity
+}
+
+#[test]
+fn plane_fronts_in_plates_and_blocks_are_not_smeared() {
+    for (name, steps, state, bound, stress) in [
+        ("dgmpm_plate", 26, 7, 0.1, plane_wave(2e11, 7800.0, 5.0)),
+        ("dgmpm_notched_plate", 170, 24, 0.001, plane_wave(1.9e11, 8000.0, 16.5)),
+        ("dgmpm_block", 57, 11, 0.004, plane_wave(2e11, 7800.0, 10.0)),
+    ] {
+        let record = run(name, steps);
+        let state = states(&record).iter().find(|found| number(found, "/step") as usize == state).unwrap();
+        assert_plane_front(&row_of_points(&record, state, bound), number(state, "/step") as usize, stress);
+    }
 }

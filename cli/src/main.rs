@@ -22,6 +22,7 @@ struct Cli {
 const EXAMPLES: &str = "Examples:
   bia run ProjectParameters.json                 run a project, results beside it
   bia check ProjectParameters.json               read and check all input, run nothing
+  bia explain ProjectParameters.json             stages and memory, and what the scene does without
   bia new scene --template falling-disc          write a project to begin with
   bia info Dynamic                               the keys of a solver, process, modeler or law
   bia schema > bia.schema.json                   for editors, in a member $schema of the project
@@ -35,6 +36,8 @@ enum Command {
     Run(run::RunArguments),
     /// Read and check all input of a project, run nothing, print what the scene consists of
     Check(ProjectArguments),
+    /// Show how a project will be computed: stages, columns and their sizes, and what it does without
+    Explain(run::ExplainArguments),
     /// Write a project to begin with
     New(new::NewArguments),
     /// List all solvers, processes, modelers, laws and variables, or show one
@@ -77,6 +80,7 @@ fn main() -> ExitCode {
     match Cli::parse().command {
         Command::Run(arguments) => run::run(&arguments, &registry()),
         Command::Check(arguments) => run::check(&arguments, &registry()),
+        Command::Explain(arguments) => run::explain(&arguments, &registry()),
         Command::New(arguments) => new::new(&arguments),
         Command::Info(arguments) => info::info(&arguments, &registry()),
         Command::Schema => info::schema(&registry()),

@@ -1,13 +1,14 @@
 //! What the user reads: faults of the input, the scene, the summary.
 
-use bia_kernel::analysis::{Account, peak_memory_mb};
+use bia_kernel::analysis::{Account, Analysis, peak_memory_mb};
 use bia_kernel::diagnostic::{InputErrors, Place, Severity};
 use bia_kernel::error::Error;
-use bia_kernel::solving::solver::Inventory;
+use bia_kernel::solving::solver::{ColumnUse, Inventory};
 use miette::{
     GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteDiagnostic, MietteError, MietteSpanContents,
     NamedSource, Report, SourceCode, SourceOffset, SourceSpan, SpanContents,
 };
+use serde_json::json;
 use std::fmt::Arguments;
 use std::io::{IsTerminal, Write};
 use std::path::Path;
@@ -154,6 +155,36 @@ pub fn head(file: &Path, inventory: &Inventory, threads: usize) {
     for warning in &inventory.warnings {
         complain!("warning: {warning}");
     }
+}
+
+/// Shows how a project will be computed.
+pub fn plan(file: &Path, analysis: &Analysis, as_json: bool) {
+    let inventory = analysis.inventory();
+    let processes = analysis.pipeline();
+    let stages: Vec<&str> = analysis.solver().stages().into_iter().map(|(name, _)| name).collect();
+    let (used, left): (Vec<&ColumnUse>, Vec<&ColumnUse>) =
+        inventory.columns.iter().partition(|column| column.bytes > 0);
+    let left: Vec<&str> = left.into_iter().map(|column| column.name).collect();
+    if as_json {
+        let columns: Vec<_> = used.iter().map(|c| json!({"name": c.name, "bytes": c.bytes})).collect();
+        let plan = json!({"project": file, "processes": processes, "stages": stages,
+            "scene": inventory.lines, "columns": columns, "left_out": left, "warnings": inventory.warnings});
+        return say!("{plan:#}");
+    }
+    head(file, &inventory, 0);
+    say!("each step");
+    for (what, names) in [("processes", processes), ("solver", stages)] {
+        let list = if names.is_empty() { "none".to_string() } else { names.join(" -> ") };
+        say!("  {what:24} {list}");
+    }
+    say!("columns");
+    let total: usize = used.iter().map(|column| column.bytes).sum();
+    for column in used {
+        let share = 100.0 * column.bytes as f64 / total as f64;
+        say!("  {:36} {:>12.3} MB {share:5.1} %", column.name, column.bytes as f64 / 1e6);
+    }
+    say!("  {:36} {:>12.3} MB", "all", total as f64 / 1e6);
+    say!("  {:36} {}", "left out", left.join(", "));
 }
 
 /// Shows what the run did.

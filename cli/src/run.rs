@@ -92,6 +92,28 @@ pub fn check(arguments: &ProjectArguments, registry: &Registry) -> ExitCode {
     }
 }
 
+/// Arguments of `bia explain`.
+#[derive(Args)]
+pub struct ExplainArguments {
+    #[command(flatten)]
+    project: ProjectArguments,
+    /// As JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Shows the plan of a project.
+pub fn explain(arguments: &ExplainArguments, registry: &Registry) -> ExitCode {
+    report::start_log(arguments.json);
+    match prepare(&arguments.project, None, registry, false) {
+        Ok(analysis) => {
+            report::plan(&arguments.project.file, &analysis, arguments.json);
+            ExitCode::SUCCESS
+        }
+        Err(errors) => report::input(&errors),
+    }
+}
+
 fn prepare(
     arguments: &ProjectArguments,
     output: Option<&Path>,

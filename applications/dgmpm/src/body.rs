@@ -2,7 +2,7 @@
 
 use crate::boundary::Boundary;
 use crate::chunk::Stop;
-use crate::faces::{CHUNK, Faces, Shared};
+use crate::faces::{CHUNK, Faces, ThreeCells};
 use crate::kind::{CellKind, Place};
 use crate::layout::places;
 use crate::material::{Hooke, Material, Unsuitable};
@@ -91,7 +91,7 @@ impl<const D: usize> Body<D> {
         }
         let all = cells.iter().enumerate().map(|(element, &cell)| (cell as usize, part.elements.nodes_of(element)));
         let faces = Faces::new(all, S::SHAPE.reference_corners(), D, elements.len() * 2 * D)
-            .map_err(|Shared { cell }| three_cells(part, settings, elements[cell]))?;
+            .map_err(|ThreeCells { cell }| three_cells(part, settings, elements[cell]))?;
         check_axes(&faces, settings, D)?;
         let scheme = Scheme::new(settings.method, materials, kinds.kinds, &kind_lists, faces);
         let transmitting = transmitting(model, part, settings)?;

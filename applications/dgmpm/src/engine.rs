@@ -68,6 +68,8 @@ pub trait Engine: Send {
     fn strain_energy(&self, index: usize) -> Option<f64>;
     /// Gives a point a velocity (m/s).
     fn set_velocity(&mut self, index: usize, velocity: [f64; 3]);
+    /// Gives a point a deformation gradient.
+    fn set_deformation(&mut self, index: usize, gradient: &Matrix3<f64>);
     /// Work that the boundary has done (J).
     fn work(&self) -> f64;
     /// Stable steps of all groups of cells.
@@ -215,6 +217,13 @@ impl<const D: usize> Engine for Body<D> {
     fn set_velocity(&mut self, index: usize, velocity: [f64; 3]) {
         let (chunk, place) = self.find(index);
         self.scheme.chunks[chunk].points.velocity[place] = std::array::from_fn(|a| velocity[a]);
+    }
+
+    fn set_deformation(&mut self, index: usize, gradient: &Matrix3<f64>) {
+        let (chunk, place) = self.find(index);
+        let change = |i: usize, a: usize| gradient[(i, a)] - if i == a { 1.0 } else { 0.0 };
+        self.scheme.chunks[chunk].points.gradient[place] =
+            std::array::from_fn(|i| std::array::from_fn(|a| change(i, a)));
     }
 
     fn work(&self) -> f64 {

@@ -26,7 +26,7 @@ pub struct Faces {
 
 /// A face that three cells share.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Shared {
+pub struct ThreeCells {
     /// The index of the third cell.
     pub cell: usize,
 }
@@ -42,7 +42,7 @@ impl Faces {
         corners: &[[f64; 3]],
         dimension: usize,
         slots: usize,
-    ) -> Result<Self, Shared> {
+    ) -> Result<Self, ThreeCells> {
         let (mut open, mut first): (HashMap<[u32; 4], usize>, Vec<u32>) = (HashMap::new(), Vec::new());
         let (mut pairs, mut whole) = (Vec::new(), Vec::new());
         for (cell, nodes) in cells {
@@ -59,7 +59,7 @@ impl Faces {
                         first.push(slot);
                         whole.push(false);
                     }
-                    Some(&other) if whole[other] => return Err(Shared { cell }),
+                    Some(&other) if whole[other] => return Err(ThreeCells { cell }),
                     Some(&other) => {
                         whole[other] = true;
                         pairs.push((first[other], slot));

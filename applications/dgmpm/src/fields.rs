@@ -72,7 +72,7 @@ pub fn append(engine: &dyn Engine, index: usize, variable: &str, out: &mut Vec<f
     }
 }
 
-/// Writes the wanted means over the cells' points to the columns of elements.
+/// Writes the wanted means by volume over the cells' points to the columns of elements.
 pub fn write_cells(engine: &dyn Engine, part: &mut ModelPart, wanted: &[Variable]) {
     let count = part.elements.len();
     let mut values = Vec::new();
@@ -88,7 +88,9 @@ pub fn write_cells(engine: &dyn Engine, part: &mut ModelPart, wanted: &[Variable
             values.clear();
             (first..end).for_each(|point| append(engine, point, of_points.name, &mut values));
             let width = values.len() / (end - first);
-            let mean = |k: usize| values[k..].iter().step_by(width).sum::<f64>() / (end - first) as f64;
+            let volumes: Vec<f64> = (first..end).map(|point| engine.point(point).volume).collect();
+            let weighted = |k: usize| values[k..].iter().step_by(width).zip(&volumes).map(|(value, v)| v * value);
+            let mean = |k: usize| weighted(k).sum::<f64>() / volumes.iter().sum::<f64>();
             match variable.name {
                 "VELOCITY" | "DISPLACEMENT" => {
                     part.element_fields.vector_mut(variable, count)[element] = std::array::from_fn(mean);

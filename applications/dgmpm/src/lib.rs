@@ -28,6 +28,7 @@ mod settings;
 mod solver;
 mod stability;
 mod stages;
+mod transverse;
 pub mod variables;
 
 use bia_kernel::registry::{Registry, SolverEntry};

@@ -1,7 +1,5 @@
 //! Vectors and matrices of the dimension of space.
 
-use nalgebra::Matrix3;
-
 /// A vector of space.
 pub type Vector<const D: usize> = [f64; D];
 /// A tensor, row by row: entry `[i][a]` of a two-point tensor has the present axis i, the reference axis a.
@@ -75,20 +73,44 @@ pub fn square_root<const D: usize>(m: &Matrix<D>) -> Option<(Matrix<D>, f64)> {
             Some((root, 0.5 * trace + half_difference.hypot(m[0][1])))
         }
         _ => {
-            let eigen = Matrix3::from_fn(|i, j| m[i][j]).symmetric_eigen();
-            if eigen.eigenvalues.min().is_nan() || eigen.eigenvalues.min() <= 0.0 {
+            let eigenvalues = eigenvalues(m);
+            if eigenvalues.iter().any(|value| value.is_nan() || *value <= 0.0) {
                 return None;
             }
-            let roots = eigen.eigenvalues.map(f64::sqrt);
+            // The invariants of the root, then (i iii 1 + (i² − ii) m − m²)/(i ii − iii): Hoger and Carlson,
+            // Quart. Appl. Math. 42 (1984) 113-117.
+            let [a, b, c] = eigenvalues.map(f64::sqrt);
+            let (first, second, third) = (a + b + c, a * b + b * c + c * a, a * b * c);
+            let scale = 1.0 / (first * second - third);
             for i in 0..D {
                 for j in 0..D {
-                    root[i][j] =
-                        (0..3).map(|k| eigen.eigenvectors[(i, k)] * roots[k] * eigen.eigenvectors[(j, k)]).sum();
+                    let square: f64 = (0..D).map(|k| m[i][k] * m[k][j]).sum();
+                    let unit = if i == j { first * third } else { 0.0 };
+                    root[i][j] = scale * (unit + (first * first - second) * m[i][j] - square);
                 }
             }
-            Some((root, eigen.eigenvalues.max()))
+            Some((root, eigenvalues[0]))
         }
     }
+}
+
+/// Eigenvalues of a symmetric matrix of 3 × 3 by Cardano's formula; of nearly equal ones the symmetric
+/// functions are exact to round-off, each to its square root.
+#[inline]
+fn eigenvalues<const D: usize>(m: &Matrix<D>) -> [f64; 3] {
+    let mean = (m[0][0] + m[1][1] + m[2][2]) / 3.0;
+    let mut deviator = *m;
+    (0..D).for_each(|i| deviator[i][i] -= mean);
+    let size = (deviator.as_flattened().iter().map(|entry| entry * entry).sum::<f64>() / 6.0).sqrt();
+    if size <= f64::EPSILON * mean.abs() {
+        return [mean; 3];
+    }
+    deviator.as_flattened_mut().iter_mut().for_each(|entry| *entry /= size);
+    let (_, determinant) = bia_kernel::geometry::adjugate(&deviator);
+    let angle = (0.5 * determinant).clamp(-1.0, 1.0).acos() / 3.0;
+    let largest = mean + 2.0 * size * angle.cos();
+    let smallest = mean + 2.0 * size * (angle + std::f64::consts::TAU / 3.0).cos();
+    [largest, smallest, 3.0 * mean - largest - smallest]
 }
 
 #[cfg(test)]
@@ -113,6 +135,8 @@ mod tests {
         check([[2.0, 1.0], [1.0, 2.0]], 3.0);
         check([[3.0, 0.0], [0.0, 7.0]], 7.0);
         check([[2.0, 1.0, 0.0], [1.0, 2.0, 0.0], [0.0, 0.0, 5.0]], 5.0);
+        check([[2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0]], 2.0);
+        check([[2.0, 1.0, 1.0], [1.0, 2.0, 1.0], [1.0, 1.0, 2.0]], 4.0);
         assert!(square_root(&[[1.0, 2.0], [2.0, 1.0]]).is_none() && square_root(&[[-1.0]]).is_none());
     }
 }

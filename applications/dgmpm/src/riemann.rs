@@ -128,6 +128,11 @@ impl RiemannSolver {
     /// Names in the input.
     pub const NAMES: &'static [&'static str] = &["linearized", "hll", "exact"];
 
+    /// Its name in the input.
+    pub const fn name(self) -> &'static str {
+        Self::NAMES[self as usize]
+    }
+
     /// From a name in the input.
     pub fn of(name: &str) -> Self {
         match name {

@@ -3,7 +3,7 @@
 //! A stage: what the faces see of each cell → Riemann problems → new values in each cell. With the
 //! transverse correction the Riemann problems are solved twice.
 
-use crate::chunk::{By, Chunk, Shared, Stop, Transverse, Values, uniform};
+use crate::chunk::{Chunk, Shared, Stop, Values, uniform};
 use crate::exact;
 use crate::faces::{CHUNK, Faces};
 use crate::kind::CellKind;
@@ -11,6 +11,7 @@ use crate::material::Material;
 use crate::matrix::{Matrix, dot, inverse, minus, times};
 use crate::riemann::{Condition, Interface, RiemannSolver, Trace};
 use crate::stages::{Site, TimeIntegration};
+use crate::transverse::{By, Transverse};
 use rayon::prelude::*;
 use std::collections::HashMap;
 
@@ -199,9 +200,6 @@ impl<const D: usize> Scheme<D> {
     /// Corner transport upwind: the faces of each axis see their cells after half a step of what enters
     /// through the others. In space that half step itself uses states that a third of a step through the
     /// third axis has moved.
-    ///
-    /// Sources: LeVeque, Finite Volume Methods for Hyperbolic Problems, ch. 20; Saltzman, J. Comput. Phys.
-    /// 115 (1994) 153-168.
     fn correct_transversely(&mut self, time_step: f64) -> Result<(), Stop<D>> {
         std::mem::swap(&mut self.traces, &mut self.base);
         if self.traces.len() != self.base.len() {

@@ -12,7 +12,7 @@ use bia_constitutive::Kinematics;
 use bia_kernel::error::Error;
 use bia_kernel::io::dataset::{CellsOf, Dataset, Field, FieldData};
 use bia_kernel::model::Model;
-use bia_kernel::solving::solver::{Inventory, write_failed_state};
+use bia_kernel::solving::solver::{ColumnUse, Inventory, write_failed_state};
 use bia_kernel::variables::Column;
 use std::path::{Path, PathBuf};
 
@@ -54,6 +54,7 @@ impl Scene {
         line("memory of the points", format!("{:.3} MB, {each:.0} bytes a point", bytes as f64 / 1e6));
         line("columns in use", columns(points, true));
         line("left out", columns(points, false));
+        inventory.columns = column_uses(points);
         inventory.warnings = self.warnings(points, model);
         inventory
     }
@@ -183,6 +184,18 @@ fn columns(points: &MaterialPoints, used: bool) -> String {
     let Some(block) = points.blocks.first() else { return String::new() };
     let names = block.columns().into_iter().filter(|(_, column)| column.is_used() == used).map(|(name, _)| name);
     names.collect::<Vec<_>>().join(", ")
+}
+
+/// All columns with their sizes over all blocks.
+fn column_uses(points: &MaterialPoints) -> Vec<ColumnUse> {
+    let mut uses = vec![ColumnUse { name: "ids and cells", bytes: 8 * points.len() }];
+    for (name, bytes) in points.blocks.iter().flat_map(|block| block.columns().map(|(name, c)| (name, c.bytes()))) {
+        match uses.iter_mut().find(|known| known.name == name) {
+            Some(known) => known.bytes += bytes,
+            None => uses.push(ColumnUse { name, bytes }),
+        }
+    }
+    uses
 }
 
 /// Points that were lost on the way.

@@ -131,7 +131,6 @@ impl Scene {
             locator: &locator,
             kinematics,
             dynamic: self.settings.regime == Regime::Dynamic,
-            force_time: self.settings.force_time(),
             placement: self.settings.discretisation.placement,
             columns,
             kratos_exact: self.options.kratos_exact,

@@ -103,7 +103,8 @@ impl Analysis {
         }
         errors.or(())?;
         let start = project.problem.number("start_time");
-        let clock = Clock { start, time: start, end: project.problem.number("end_time"), ..Clock::default() };
+        let clock =
+            Clock { start, time: start, load_time: start, end: project.problem.number("end_time"), ..Clock::default() };
         check_time_step(solver.as_mut(), &model, &clock, &project)?;
         let project = project.root;
         Ok(Self { model, solver, processes, clock, options, project, warnings, stages: Vec::new() })
@@ -114,6 +115,11 @@ impl Analysis {
         let mut inventory = self.solver.inventory(&self.model);
         inventory.warnings.splice(0..0, self.warnings.iter().cloned());
         inventory
+    }
+
+    /// Names of the processes, in the order in which they act.
+    pub fn pipeline(&self) -> Vec<&str> {
+        self.processes.iter().map(|process| process.name()).collect()
     }
 
     /// The solver.
@@ -203,6 +209,7 @@ impl Analysis {
             self.clock.step += 1;
             self.clock.time_step = step;
             self.clock.time += step;
+            self.clock.load_time = self.clock.time - (1.0 - self.solver.load_time()) * step;
             self.all(0, |process, context| process.execute_initialize_solution_step(context))?;
             let begin = Instant::now();
             let mut context = Context { model: &mut self.model, clock: &self.clock, options: &self.options };

@@ -219,12 +219,15 @@ impl Assign {
     fn apply(&self, model: &mut Model, clock: &Clock) -> Result<(), Failure> {
         let Some(members) = &self.members else { return Ok(()) };
         let Some(part) = model.part_mut(&members.root) else { return Ok(()) };
-        let chosen = if self.target == Target::Nodes { &members.nodes } else { &members.conditions };
+        let (chosen, time) = match self.target {
+            Target::Nodes => (&members.nodes, clock.time),
+            Target::Conditions => (&members.conditions, clock.load_time),
+        };
         for &index in chosen {
             let position = self.position(part, index);
             for (component, value) in self.values.iter().enumerate() {
                 if let Some(value) = value {
-                    let value = value.at(position, position, clock.time);
+                    let value = value.at(position, position, time);
                     if !value.is_finite() {
                         return Err(self.failure(part, index as usize, component, value, position));
                     }

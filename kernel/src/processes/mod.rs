@@ -28,6 +28,8 @@ pub struct Clock {
     pub time: f64,
     /// Size of the step, in seconds.
     pub time_step: f64,
+    /// When in the step loads act, as the solver's scheme means it, in seconds.
+    pub load_time: f64,
     /// First time, in seconds.
     pub start: f64,
     /// The loop runs while the time is below this one, in seconds.

@@ -18,8 +18,19 @@ use std::time::Duration;
 pub struct Inventory {
     /// Lines of (what, how much), in the order to be shown.
     pub lines: Vec<(String, String)>,
+    /// Columns that the solver can have.
+    pub columns: Vec<ColumnUse>,
     /// Suspicious but legal facts.
     pub warnings: Vec<String>,
+}
+
+/// A column of numbers that a scene has, or does without.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ColumnUse {
+    /// What it holds.
+    pub name: &'static str,
+    /// Its size; 0 where the scene does without it.
+    pub bytes: usize,
 }
 
 /// An application's solver. The analysis calls these in Kratos's order (spec 01 §1.2).
@@ -62,6 +73,11 @@ pub trait Solver: Send {
     /// can be told before the run.
     fn plans_steps(&self) -> bool {
         true
+    }
+
+    /// When in a step loads act, as a share of it: at its end, unless the scheme takes forces earlier.
+    fn load_time(&self) -> f64 {
+        1.0
     }
 
     /// Search, reset of the grid, transfer to it, prediction.

@@ -2,7 +2,7 @@
 
 mod cells;
 mod energy;
-mod velocity;
+mod initial;
 mod vtk;
 
 pub use cells::CellFields;
@@ -15,7 +15,7 @@ use bia_kernel::registry::Registry;
 
 /// Registers them.
 pub fn register(registry: &mut Registry) {
-    velocity::register(registry);
+    initial::register(registry);
     energy::register(registry);
     vtk::register(registry);
 }

@@ -289,6 +289,11 @@ impl Solver for Explicit {
         Ok(())
     }
 
+    fn load_time(&self) -> f64 {
+        // Kratos takes loads at the end of the step, whatever the scheme.
+        if self.scene.options.kratos_exact { 1.0 } else { self.scene.settings.load_time() }
+    }
+
     fn time_step(&mut self, model: &Model, clock: &Clock) -> Result<f64, Error> {
         if let (Frame::Total, Some(points)) = (self.frame(), points_of(model)) {
             if self.surveyed.is_multiple_of(SURVEY) {

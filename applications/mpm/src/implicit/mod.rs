@@ -298,6 +298,10 @@ impl Solver for Implicit {
         Ok(())
     }
 
+    fn load_time(&self) -> f64 {
+        self.scene.settings.load_time()
+    }
+
     fn time_step(&mut self, _: &Model, clock: &Clock) -> Result<f64, Error> {
         self.scene.settings.stepping.step(clock, f64::INFINITY)
     }

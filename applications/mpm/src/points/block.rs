@@ -318,8 +318,6 @@ pub struct MaterialPoints {
     pub kinematics: Kinematics,
     /// The points have inertia.
     pub dynamic: bool,
-    /// When in a step body forces act, as a share of it: that of the deformation in equilibrium with them.
-    pub force_time: f64,
     /// Names of the bodies: the first-level parts of the initial model part.
     pub bodies: Vec<String>,
     /// Blocks, by body and material, in the order of their first ids.

@@ -30,8 +30,6 @@ pub struct Plan<'a> {
     pub kinematics: Kinematics,
     /// The points have inertia.
     pub dynamic: bool,
-    /// When in a step body forces act, as a share of it.
-    pub force_time: f64,
     /// Where the cells of the bodies hold their points.
     pub placement: Placement,
     /// Columns to allocate.
@@ -75,7 +73,6 @@ pub fn generate(plan: &Plan) -> Result<MaterialPoints, InputErrors> {
         name: plan.part.into(),
         kinematics: plan.kinematics,
         dynamic: plan.dynamic,
-        force_time: plan.force_time,
         bodies: Vec::new(),
         blocks: Vec::new(),
         conditions: PointConditions::default(),

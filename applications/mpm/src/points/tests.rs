@@ -59,7 +59,6 @@ fn points(blocks: Vec<Block>) -> MaterialPoints {
         name: "MPM_Material".into(),
         kinematics: Kinematics::ThreeDimensional,
         dynamic: true,
-        force_time: 1.0,
         bodies: vec!["A".into(), "B".into()],
         blocks,
         conditions: PointConditions::default(),

@@ -123,11 +123,10 @@ struct BodyAcceleration {
 struct Cleared;
 
 impl BodyAcceleration {
-    /// Evaluates the functions for a step of this length that ends now.
-    fn apply(&self, context: &mut Context, time_step: f64) -> Result<(), Error> {
-        let end = context.clock.time;
+    /// Evaluates the functions.
+    fn apply(&self, context: &mut Context) -> Result<(), Error> {
+        let (end, time) = (context.clock.time, context.clock.load_time);
         let Some(points) = context.model.extension_mut::<MaterialPoints>() else { return Ok(()) };
-        let time = end - (1.0 - points.force_time) * time_step;
         if self.first {
             points.blocks.iter_mut().for_each(|block| block.body_acceleration.values_mut().fill(0.0));
         }
@@ -158,7 +157,7 @@ impl Process for BodyAcceleration {
     }
 
     fn execute_before_solution_loop(&mut self, context: &mut Context) -> Result<(), Error> {
-        self.apply(context, 0.0)?;
+        self.apply(context)?;
         if let Some(points) = context.model.extension_mut::<MaterialPoints>().filter(|points| points.dynamic) {
             points.blocks.iter_mut().for_each(Block::start_with_body_acceleration);
         }
@@ -166,7 +165,7 @@ impl Process for BodyAcceleration {
     }
 
     fn execute_initialize_solution_step(&mut self, context: &mut Context) -> Result<(), Error> {
-        self.apply(context, context.clock.time_step)
+        self.apply(context)
     }
 }
 

@@ -118,8 +118,8 @@ impl Process for Neumann {
     }
 
     fn execute_initialize_solution_step(&mut self, context: &mut Context) -> Result<(), Error> {
-        let time = context.clock.time;
-        let active = self.interval.contains(time);
+        let time = context.clock.load_time;
+        let active = self.interval.contains(context.clock.time);
         let Some(points) = context.model.extension_mut::<MaterialPoints>() else { return Ok(()) };
         let conditions = &mut points.conditions;
         let Some(&(_, first, end)) = conditions.parts.iter().find(|(part, _, _)| *part == self.part) else {

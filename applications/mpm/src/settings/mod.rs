@@ -231,7 +231,7 @@ impl SolverSettings {
 
     /// When in a step the forces act that move the points, as a share of it: with the deformation at
     /// its start, in its middle or at its end. Of kick, drift and kick, the mean of both kicks.
-    pub fn force_time(&self) -> f64 {
+    pub fn load_time(&self) -> f64 {
         match &self.explicit {
             Some(explicit) => match explicit.scheme {
                 Scheme::UpdateStressFirst | Scheme::CentralDifference => 1.0,
