@@ -10,5 +10,6 @@ mod memory;
 mod newton;
 mod patch;
 mod settings;
+mod study;
 mod water;
 mod wave;

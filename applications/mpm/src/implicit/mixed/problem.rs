@@ -98,6 +98,12 @@ impl MixedProblem<'_> {
     /// Projects the residual, and gathers the couplings of the projection if the matrix is wanted.
     fn project(&mut self, with_matrix: bool) -> Result<(), Error> {
         let Some(couplings) = self.couplings.take() else { return Ok(()) };
+        let result = self.project_into(couplings, with_matrix);
+        self.couplings = Some(couplings);
+        result
+    }
+
+    fn project_into(&mut self, couplings: &mut System, with_matrix: bool) -> Result<(), Error> {
         for matrix in [false, true] {
             if matrix && !with_matrix {
                 break;
@@ -109,7 +115,6 @@ impl MixedProblem<'_> {
                 self.projection.divide(couplings);
             }
         }
-        self.couplings = Some(couplings);
         Ok(())
     }
 }
