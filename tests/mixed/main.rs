@@ -4,6 +4,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod columns;
 mod cook;
 mod fluids;
 mod membrane;
@@ -11,5 +12,6 @@ mod memory;
 mod newton;
 mod patch;
 mod settings;
+mod study;
 mod water;
 mod wave;

@@ -12,7 +12,7 @@ use bia_kernel::io::json::JsonObject;
 use bia_kernel::model::{Model, ModelPart};
 use bia_kernel::processes::{Clock, Context, Location, Process, Requirements};
 use bia_kernel::registry::Registry;
-use bia_kernel::solving::solver::{Inventory, Solver};
+use bia_kernel::solving::solver::{ColumnUse, Inventory, Solver};
 use bia_kernel::solving::{StepReport, Stepping};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -206,6 +206,16 @@ impl Solver for DiscontinuousGalerkin {
         let (used, left) = columns(bytes, part);
         line("columns in use", used);
         line("left out", left);
+        let [of_points, of_nodes, of_faces] = bytes;
+        let sizes = [
+            ("points: position, displacement, velocity, displacement gradient, stress", of_points),
+            ("cells' own nodes between stages", of_nodes),
+            ("faces: states, fluxes, impedances", of_faces),
+            ("acceleration", 0),
+            ("history", 0),
+            ("grid fields shared by cells", 0),
+        ];
+        inventory.columns = sizes.map(|(name, bytes)| ColumnUse { name, bytes }).into();
         inventory
     }
 

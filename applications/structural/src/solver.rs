@@ -14,7 +14,7 @@ use bia_kernel::linalg::{LinearSolver, solver};
 use bia_kernel::model::{Model, ModelPart};
 use bia_kernel::processes::{Clock, Context, Location, Requirements};
 use bia_kernel::registry::Registry;
-use bia_kernel::solving::solver::{Inventory, Solver};
+use bia_kernel::solving::solver::{ColumnUse, Inventory, Solver};
 use bia_kernel::solving::{ActiveDofs, StepReport, Stepping, System};
 use bia_kernel::variables::Variable;
 use std::path::{Path, PathBuf};
@@ -296,6 +296,16 @@ impl Solver for Structural {
         line("loads", format!("{} conditions", part.conditions.len()));
         line("dofs", self.dofs.order().to_string());
         line("history of the laws", format!("{} bytes", 8 * body.states.len()));
+        let (of_dofs, moves) = (8 * self.dofs.order(), self.settings.regime != Regime::Static);
+        let columns = [
+            ("displacement", 2 * of_dofs),
+            ("forces", 2 * of_dofs),
+            ("velocity", if moves { of_dofs } else { 0 }),
+            ("acceleration", if moves { of_dofs } else { 0 }),
+            ("lumped mass", 8 * self.state.mass.len()),
+            ("law history", 8 * body.states.len()),
+        ];
+        inventory.columns = columns.map(|(name, bytes)| ColumnUse { name, bytes }).into();
         inventory
     }
 

@@ -1,6 +1,7 @@
 //! Material points, their blocks, and the conditions that move with them.
 
 mod block;
+pub mod carriers;
 pub mod conditions;
 pub mod fields;
 mod generate;
