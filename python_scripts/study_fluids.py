@@ -134,6 +134,23 @@ def cells(shape, size=None, points=None):
     return settings
 
 
+def slab(size):
+    """Settings of the dam break in a slab of two cells between walls."""
+    grid, body = "/modelers/0/parameters/", "/modelers/1/parameters/bodies/0/primitive/"
+    sides = {"Wall": "min_x", "Floor": "min_y", "Sides": ["min_z", "max_z"]}
+    fixed = [held(part, [0.0 if axis == i else None for axis in range(3)]) for i, part in enumerate(sides)]
+    return {
+        grid + "max": [7.0, 2.4, 2 * size],
+        grid + "parts": [{"name": name, "side": side} for name, side in sides.items()],
+        grid + "diagonal": "alternating",
+        "/modelers/1/parameters/bodies/0/diagonal": "alternating",
+        body + "max": [1.0, 2.0, 2 * size],
+        SOLVER + "domain_size": 3,
+        SOLVER + "material_import_settings/materials/0/Material/constitutive_law/name": "DispNewtonianFluidUP3DLaw",
+        "/processes/constraints_process_list": fixed,
+    }
+
+
 class Study:
     def __init__(self, program):
         self.program, self.tables = program, {}
@@ -174,6 +191,10 @@ class Study:
             for kind in ("asgs", "osgs", "ppp"):
                 settings = {SOLVER + "stabilization": kind}
                 others.append((["Q4, 9 points", size, kind, bulk, step], "quadrilateral", settings, None))
+        for shape, points in (("hexahedron", 27), ("tetrahedron", 4)):
+            for kind in ("asgs", "ppp"):
+                title = [f"{shape}, {points} points", 0.2, kind, bulk, step]
+                others.append((title, shape, {SOLVER + "stabilization": kind}, points))
         for title, shape, settings, points in others:
             rows.append(self.collapse(title, shape, title[1], settings, points))
         headings = ["cells", "h [m]", "stabilisation", "κ [Pa]", "Δt", "front %", "shifted % (by)", "height", "largest"]
@@ -183,8 +204,10 @@ class Study:
     def collapse(self, title, shape, size, settings, points=None):
         measures = "/output_processes/measurements/{}/Parameters/{}"
         settings = cells(shape, size, points) | settings
+        if shape in ("hexahedron", "tetrahedron"):
+            settings |= slab(size)
         settings[measures.format(1, "high")] = [size, None, None]
-        settings[measures.format(2, "overfill_block")] = [2 * size, 2 * size, 0.0]
+        settings[measures.format(2, "overfill_block")] = [2 * size] * 3
         run = self.run("dam_break", settings)
         if run.code:
             return [*title, *["fails"] * 9]
@@ -348,7 +371,7 @@ def tank(shape, points, stabilization, tilted, modulus):
     material = {"law": "DispNewtonianFluidPlaneStrainUP2DLaw", "DENSITY": 1000.0, "DYNAMIC_VISCOSITY": 1e-3}
     material |= {"BULK_MODULUS": modulus} if modulus else {}
     solver = {"scheme_type": "newmark", "pressure_dofs": True, "stabilization": stabilization}
-    solver |= {"time_stepping": {"time_step": 0.001}, "residual_relative_tolerance": 1e-9}
+    solver |= {"time_stepping": {"time_step": 0.001}, "residual_relative_tolerance": 1e-10}
     floor = [sum(corner[axis] for corner in corners[:2]) / 2.0 for axis in (0, 1)]
     top = [sum(corner[axis] for corner in corners[2:]) / 2.0 for axis in (0, 1)]
     processes = [

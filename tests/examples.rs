@@ -74,6 +74,7 @@ fn each_example_has_its_number() {
         "cook",
         "cook_incompressible",
         "cube_million",
+        "dam_break",
         "dgmpm_bar",
         "dgmpm_block",
         "dgmpm_notched_plate",
@@ -82,6 +83,7 @@ fn each_example_has_its_number() {
         "falling_block",
         "falling_disc",
         "rotating_body",
+        "sloshing_tank",
         "tlmpm_column",
         "tlmpm_energy",
         "tlmpm_step_bar",
@@ -362,4 +364,33 @@ fn plane_fronts_in_plates_and_blocks_are_not_smeared() {
         let state = states(&record).iter().find(|found| number(found, "/step") as usize == state).unwrap();
         assert_plane_front(&row_of_points(&record, state, bound), number(state, "/step") as usize, stress);
     }
+}
+
+/// Height of the column at the wall as in Martin & Moyce (1952, table 6): H = η/(2 a) at τ = t sqrt(g/a).
+#[test]
+fn the_dam_breaks_as_in_the_experiment() {
+    let record = run("dam_break", 90);
+    let start = number(&states(&record)[0], "/energies/total");
+    assert_close(start, 2000.0 * GRAVITY, 1e-12);
+    for (tau, height) in [(0.93, 0.83), (1.46, 0.67), (2.0, 0.5), (2.45, 0.39)] {
+        let time = tau / GRAVITY.sqrt();
+        let state = states(&record).iter().find(|state| number(state, "/time") >= time).unwrap();
+        let at_wall = rows(state, "mp", "MP_COORD").into_iter().filter(|x| x[0] < 0.1);
+        let found = at_wall.map(|x| x[1]).fold(0.0, f64::max) / 2.0;
+        assert!((found - height).abs() < 0.05, "height {found} for {height} at {tau}");
+        assert!(number(state, "/energies/total") <= start);
+    }
+}
+
+/// The half period in which the water's centre of mass comes back to the middle, π/ω, ω² = g k tanh(k H).
+#[test]
+fn the_tank_sloshes_with_its_first_frequency() {
+    let record = run("sloshing_tank", 720);
+    let aside: Vec<[f64; 2]> =
+        states(&record).iter().map(|state| [number(state, "/time"), number(state, "/sums/com/0") - 0.5]).collect();
+    let passes = aside.windows(2).filter(|pair| pair[0][0] > 0.1 && pair[0][1] * pair[1][1] < 0.0);
+    let times: Vec<f64> = passes.map(|pair| pair[0][0]).collect();
+    let k = std::f64::consts::PI;
+    assert_eq!(times.len(), 6);
+    assert_close((times[5] - times[0]) / 5.0, k / (GRAVITY * k * (0.5 * k).tanh()).sqrt(), 0.02);
 }
