@@ -6,6 +6,7 @@ mod common;
 
 mod columns;
 mod cook;
+mod fluids;
 mod membrane;
 mod memory;
 mod newton;

@@ -377,13 +377,15 @@ impl Solver for Implicit {
             if this.output.reaction {
                 this.write_reactions(points, grid, time_step)?;
             }
-            let increments = std::mem::take(&mut this.increments);
+            let mut increments = std::mem::take(&mut this.increments);
             let accelerations = this.inertia.as_ref().map_or(Vec::new(), |i| i.final_acceleration(&increments));
+            let velocities = this.inertia.as_ref().map_or(Vec::new(), |i| i.final_velocity(&increments));
+            let spread = this.mixed.as_ref().map_or(&[][..], Mixed::spread);
+            increments.iter_mut().zip(spread).for_each(|(u, s)| *u += s);
             let needs_residual = this.scene.settings.newton.criterion.as_ref().is_some_and(Criterion::needs_residual);
             let lags = this.faults().shows_old_volume(needs_residual);
             let of_volume = if lags { &this.assembled } else { &increments };
             let space = &this.scene.space;
-            let velocities = this.inertia.as_ref().map_or(Vec::new(), |i| i.final_velocity(&increments));
             // The grid of the total frame remembers its motion and need not ask the points for it.
             let is_total = this.scene.settings.discretisation.frame == Frame::Total;
             let before = this.inertia.as_ref().filter(|_| is_total).map_or(&[][..], |i| &i.velocity);

@@ -51,6 +51,8 @@ pub struct Block {
     pub has_energy: bool,
     /// Initial density in kg/m³.
     pub density: f64,
+    /// Extent across a plane mesh in m, across a line in m²; 1 in space.
+    pub extent: f64,
     /// Body force per mass in m/s² that all points share.
     pub gravity: [f64; 3],
     /// Body force per mass in m/s² of each point beside gravity, if used.

@@ -34,6 +34,7 @@ fn block(body: usize, ids: Vec<u32>) -> Block {
         law: Box::new(NeoHookean::from_lame(LameParameters { lambda: 2.0, mu: 1.0 })),
         has_energy: true,
         density: 3.0,
+        extent: 1.0,
         gravity: [0.1, -0.2, -9.81],
         body_acceleration: column(3, count, seed + 1),
         transfer: column(9, count, seed + 2),

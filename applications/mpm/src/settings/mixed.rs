@@ -10,7 +10,8 @@ pub const PARAMETERS: &[Key] = &[
     Key::optional(
         "c2",
         Kind::Number(Range::NOT_NEGATIVE),
-        "tau2 = 1 / (1 / (2 c2 mu) + 1 / kappa), 0 for none; by default 1, but 0 with osgs",
+        "tau2 = 1 / (1 / (c2 (2 mu + s h²)) + 1 / kappa), in fluids s = c_t rho / (10 beta dt²), else 0; by default 1, but 0 in \
+         solids unless asgs",
     ),
     Key::optional(
         "c_t",
@@ -18,6 +19,13 @@ pub const PARAMETERS: &[Key] = &[
         "dynamic part of tau1; by default 0 in solids, 1 in fluids",
     ),
     Key::optional("inertia", Kind::Bool, "asgs: inertia in the residual; by default false in solids, true in fluids"),
+    Key::new(
+        "volume_correction",
+        Kind::Number(Range::FRACTION),
+        "0.0",
+        "fluids in dynamics: share of the volume by which points overfill the surroundings of a node that each step \
+         takes out by moving them apart; 0.1 for runs of many steps, in which water would sink into itself",
+    ),
     Key::new(
         "element_size",
         Kind::Choice(&["edge", "circle"]),
@@ -69,14 +77,16 @@ pub struct MixedSettings {
     pub volumetric: VolumetricLaw,
     /// Constant of τ1.
     pub c1: f64,
-    /// Constant of τ2.
-    pub c2: f64,
+    /// Constant of τ2, if given.
+    pub c2: Option<f64>,
     /// Dynamic part of τ1, if given.
     pub c_t: Option<f64>,
     /// Inertia in the residual of ASGS, if given.
     pub inertia: Option<bool>,
     /// Element size.
     pub size: ElementSize,
+    /// Share of too much volume that a step takes out.
+    pub volume_correction: f64,
 }
 
 impl MixedSettings {
@@ -98,15 +108,15 @@ impl MixedSettings {
         let volumetric = if s.text("volumetric_law") == "miehe" { VolumetricLaw::Miehe } else { VolumetricLaw::Linear };
         let nested = s.nested("stabilization_parameters");
         let number = |key: &str| nested.filter(|n| n.given(key)).map(|n| n.number(key));
-        let default_c2 = if stabilization == Stabilization::Osgs { 0.0 } else { 1.0 };
         Some(Self {
             stabilization,
             variant,
             volumetric,
             c1: number("c1").unwrap_or(1.0),
-            c2: number("c2").unwrap_or(default_c2),
+            c2: number("c2"),
             c_t: number("c_t"),
             inertia: nested.filter(|n| n.given("inertia")).map(|n| n.flag("inertia")),
+            volume_correction: number("volume_correction").unwrap_or(0.0),
             size: match nested.map(|n| n.text("element_size")) {
                 Some("circle") => ElementSize::Circle,
                 _ => ElementSize::Edge,

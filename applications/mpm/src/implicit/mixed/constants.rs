@@ -12,6 +12,13 @@ const CIRCLE: f64 = std::f64::consts::FRAC_2_SQRT_PI;
 /// The like in space, as in Kratos before version 10.
 const BALL: f64 = 0.60046878;
 
+/// Share of the inertia ρ h²/(β Δt²) in τ₂ of a fluid.
+///
+/// τ₂ = c₂ h²/τ₁ would have all of it (Codina 2002), which locks coarse quadrilaterals; without it points
+/// gather where the pressure is high, since rows of pressure see averages over nodes only. Measured on
+/// the dam break and the sloshing tank (docs/studies/fluids.md).
+const DYNAMIC_SHARE: f64 = 0.1;
+
 /// Constants of one block of points in one step.
 #[derive(Debug, Clone, Copy)]
 pub struct Constants {
@@ -23,8 +30,10 @@ pub struct Constants {
     shear: f64,
     /// c_t ρ/(β Δt²).
     dynamic: f64,
-    /// Weight of the volumetric subscale (Pa).
-    pub tau2: f64,
+    /// Constant of τ₂.
+    c2: f64,
+    /// Share of `dynamic` in τ₂.
+    dynamic_share: f64,
     /// (1 − alpha)/(β Δt²) where inertia is in the residual, else zero.
     pub inertia: f64,
 }
@@ -48,14 +57,15 @@ impl Constants {
         let c_t = settings.c_t.unwrap_or(if is_fluid { 1.0 } else { 0.0 });
         let c0 = inertia.map_or(0.0, |inertia| inertia.coefficients.c0);
         let of_residual = settings.inertia.unwrap_or(is_fluid) && settings.stabilization == Stabilization::Asgs;
-        let tau2 = 2.0 * settings.c2 * shear;
-        let bounded = tau2 / (1.0 + tau2 * moduli.compressibility);
+        let of_fluid = is_fluid && variant == Variant::Consistent;
+        let default_c2 = if settings.stabilization == Stabilization::Asgs || of_fluid { 1.0 } else { 0.0 };
         Self {
             moduli,
             c1: settings.c1,
             shear,
             dynamic: c_t * block.density * c0,
-            tau2: if variant == Variant::Kratos { tau2 } else { bounded },
+            c2: settings.c2.unwrap_or(default_c2),
+            dynamic_share: if of_fluid { DYNAMIC_SHARE } else { 0.0 },
             inertia: inertia.filter(|_| of_residual).map_or(0.0, Inertia::stiffness),
         }
     }
@@ -66,7 +76,21 @@ impl Constants {
         1.0 / (2.0 * self.c1 * self.shear / (size * size) + self.dynamic)
     }
 
-    /// Its value in Kratos, c₁ h²/(2 μ).
+    /// Weight of the subscale of pressure, 1/(1/(c₂ (2 μ + [c_t ρ h²/(10 β Δt²)])) + 1/κ), the bracket in
+    /// fluids (Pa).
+    #[inline(always)]
+    pub fn tau2(&self, size: f64) -> f64 {
+        let incompressible = self.c2 * (2.0 * self.shear + self.dynamic_share * self.dynamic * size * size);
+        incompressible / (1.0 + incompressible * self.moduli.compressibility)
+    }
+
+    /// Its value in Kratos, 2 c₂ μ.
+    #[inline(always)]
+    pub fn kratos_tau2(&self) -> f64 {
+        2.0 * self.c2 * self.shear
+    }
+
+    /// Value of τ₁ in Kratos, c₁ h²/(2 μ).
     #[inline(always)]
     pub fn kratos_tau1(&self, size: f64) -> f64 {
         self.c1 * size * size / (2.0 * self.shear)

@@ -187,13 +187,16 @@ impl MixedIntegrator<'_> {
         with_matrix: bool,
     ) {
         let share = match self.terms {
-            Terms::Subscales => subscales::galerkin_share(point.constants),
+            Terms::Subscales | Terms::Projected => subscales::galerkin_share(point.constants, state.size),
             _ => 1.0,
         };
         galerkin::<D, N, DOFS>(point, share, buffer, with_matrix);
         match self.terms {
             Terms::Galerkin => {}
-            Terms::Projected => projected::add::<D, N, DOFS>(point, state, buffer, with_matrix),
+            Terms::Projected => {
+                subscales::add_pressure::<D, N, DOFS>(point, state.size, buffer, with_matrix);
+                projected::add::<D, N, DOFS>(point, state, buffer, with_matrix);
+            }
             Terms::KratosProjected => kratos::add_projected::<D, N, DOFS>(point, state, buffer, with_matrix),
             Terms::Subscales => subscales::add::<D, N, DOFS>(point, state, buffer, with_matrix),
             Terms::KratosSubscales => kratos::add_subscales::<D, N, DOFS>(point, state, buffer, with_matrix),

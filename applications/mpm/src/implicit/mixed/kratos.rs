@@ -66,7 +66,7 @@ pub fn add_subscales<const D: usize, const N: usize, const DOFS: usize>(
 ) {
     let (gradients, functions) = (&point.at.gradients, &point.at.functions);
     let compressibility = point.constants.moduli.compressibility;
-    let (tau1, tau2) = (point.constants.kratos_tau1(state.size), point.constants.tau2);
+    let (tau1, tau2) = (point.constants.kratos_tau1(state.size), point.constants.kratos_tau2());
     let volume = point.volume;
     let adjoint = adjoint(point);
     let residual: [f64; D] = std::array::from_fn(|a| -point.body[a] / volume - point.slope[a]);

@@ -12,6 +12,7 @@ mod kratos;
 mod osgs;
 mod problem;
 mod projected;
+mod room;
 mod step;
 mod subscales;
 #[cfg(test)]
@@ -97,6 +98,10 @@ pub struct Mixed {
     sums: PressureSums,
     couplings: Option<System>,
     unknowns: Unknowns,
+    /// Room of each of the grid's nodes; empty until it is asked for.
+    room: Vec<f64>,
+    /// Displacements that take points apart where they are too many.
+    spread: Vec<f64>,
     shows_reaction: bool,
     starts: bool,
 }
@@ -111,6 +116,8 @@ impl Mixed {
             sums: PressureSums::default(),
             couplings: None,
             unknowns: Unknowns::default(),
+            room: Vec::new(),
+            spread: Vec::new(),
             shows_reaction: false,
             starts: !kratos_exact,
         }
@@ -135,6 +142,11 @@ impl Mixed {
     /// Pressures at the end of the last step, by number of the node.
     pub fn pressures(&self) -> &[f64] {
         &self.unknowns.pressures
+    }
+
+    /// Displacements by which points are moved apart beside the motion of the step; empty for none.
+    pub fn spread(&self) -> &[f64] {
+        &self.spread
     }
 
     /// Whether the tangent is symmetric where those of all laws are.

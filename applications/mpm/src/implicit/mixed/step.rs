@@ -1,15 +1,16 @@
 //! Where the implicit solver's step meets the pressures: start values, solution, reactions, results.
 
+use super::room::{Spreading, excess, room};
 use super::{Mixed, MixedProblem};
 use crate::implicit::Implicit;
-use crate::points::{MaterialPoints, compress};
-use crate::settings::Regime;
+use crate::points::{Block, MaterialPoints, compress};
+use crate::settings::{Frame, Regime};
 use crate::variables::{DISPLACEMENT, PRESSURE, PRESSURE_REACTION};
 use bia_constitutive::Shear;
 use bia_kernel::error::Error;
 use bia_kernel::linalg::LinearSolver;
 use bia_kernel::model::ModelPart;
-use bia_kernel::solving::{NodalFrames, NonlinearSystem, StepReport, System};
+use bia_kernel::solving::{Newton, NodalFrames, NonlinearSystem, StepReport, System};
 use nalgebra::Matrix3;
 
 impl Implicit {
@@ -42,6 +43,26 @@ impl Implicit {
         mixed.unknowns.join(block, &self.increments, &pressures);
     }
 
+    /// What is too much at each node, multiplied by the share that a step takes out; empty for nothing.
+    fn excess(&self, mixed: &mut Mixed, points: &MaterialPoints, grid: &ModelPart) -> Vec<f64> {
+        let share = mixed.settings.volume_correction;
+        let is_fluid = |block: &Block| block.law.mixed().is_some_and(|m| matches!(m.shear, Shear::Viscous(_)));
+        let settings = &self.scene.settings;
+        let moves = settings.regime == Regime::Dynamic && settings.discretisation.frame == Frame::Updated;
+        if share == 0.0 || !moves || !points.blocks.iter().all(is_fluid) {
+            return Vec::new();
+        }
+        if mixed.room.is_empty() {
+            mixed.room = room(&self.scene.space, grid.elements.len(), grid.nodes.len());
+        }
+        let mut excess = excess(&mixed.room, &mixed.sums, &self.dofs);
+        if excess.iter().all(|e| *e == 0.0) {
+            return Vec::new();
+        }
+        excess.iter_mut().for_each(|e| *e *= share);
+        excess
+    }
+
     /// Solves the step for displacements and pressures.
     pub(in crate::implicit) fn solve_mixed(
         &mut self,
@@ -54,11 +75,23 @@ impl Implicit {
         let newton = &self.scene.settings.newton;
         let slides = grid.node_fields.slides(&DISPLACEMENT);
         let frames = NodalFrames::new(self.dofs.block(), &mixed.dofs, slides);
+        let excess = self.excess(mixed, points, grid);
         let mut problem = mixed.problem(self.problem(points, grid, time_step));
         let report = frames.solve(newton, &mut problem, system, linear);
+        let spread = match &report {
+            Ok(report) if report.converged && !excess.is_empty() => {
+                let mut spreading = Spreading { problem: &mut problem, excess, solution: Vec::new() };
+                let once = Newton { criterion: None, max_iterations: 1 };
+                frames.solve(&once, &mut spreading, system, linear)?;
+                let displacements = spreading.solution.chunks_exact(self.dofs.block() + 1);
+                displacements.flat_map(|node| &node[..self.dofs.block()]).copied().collect()
+            }
+            _ => Vec::new(),
+        };
         let MixedProblem { base, unknowns, .. } = problem;
         let (increments, assembled) = (base.increments, base.assembled);
         mixed.unknowns = unknowns;
+        mixed.spread = spread;
         (self.increments, self.assembled) = (increments, assembled);
         report
     }

@@ -17,8 +17,8 @@ use bia_kernel::solving::CellBuffer;
 
 /// What the subscale of pressure leaves of the Galerkin terms of pressure: 1 − τ₂/κ.
 #[inline(always)]
-pub fn galerkin_share(constants: &Constants) -> f64 {
-    1.0 - constants.tau2 * constants.moduli.compressibility
+pub fn galerkin_share(constants: &Constants, size: f64) -> f64 {
+    1.0 - constants.tau2(size) * constants.moduli.compressibility
 }
 
 /// Adds the other terms of one point.
@@ -29,7 +29,7 @@ pub fn add<const D: usize, const N: usize, const DOFS: usize>(
     buffer: &mut CellBuffer,
     with_matrix: bool,
 ) {
-    add_pressure::<D, N, DOFS>(point, buffer, with_matrix);
+    add_pressure::<D, N, DOFS>(point, state.size, buffer, with_matrix);
     let at = point.at;
     let tau = point.constants.tau1(state.size);
     let project = |values: &[[f64; D]; N], a: usize| -> f64 { (0..N).map(|i| at.functions[i] * values[i][a]).sum() };
@@ -73,12 +73,13 @@ pub fn add<const D: usize, const N: usize, const DOFS: usize>(
 
 /// The forces of p̃, and what they gain with the displacements.
 #[inline(always)]
-fn add_pressure<const D: usize, const N: usize, const DOFS: usize>(
+pub fn add_pressure<const D: usize, const N: usize, const DOFS: usize>(
     point: &MixedPoint<D, N>,
+    size: f64,
     buffer: &mut CellBuffer,
     with_matrix: bool,
 ) {
-    let (at, moduli, tau) = (point.at, &point.constants.moduli, point.constants.tau2);
+    let (at, moduli, tau) = (point.at, &point.constants.moduli, point.constants.tau2(size));
     if tau == 0.0 {
         return;
     }

@@ -46,6 +46,7 @@ fn block<const D: usize>(law: Box<dyn Law>) -> Block {
         law,
         has_energy: false,
         density: 1.3,
+        extent: 1.0,
         gravity: [0.4, -0.7, 0.2],
         ids: (0..POINTS as u32).collect(),
         cell: vec![0; POINTS],
@@ -124,10 +125,11 @@ fn error_of_tangent<S: CellShape<D, N>, const D: usize, const N: usize, const DO
         variant: Some(variant),
         volumetric: moduli.volumetric,
         c1: 1.5,
-        c2: 0.7,
+        c2: Some(0.7),
         c_t: Some(0.3),
         inertia: Some(true),
         size: ElementSize::Edge,
+        volume_correction: 0.0,
     };
     let terms = match (stabilization, variant) {
         (Stabilization::None, _) => Terms::Galerkin,
