@@ -2,6 +2,7 @@
 
 mod block;
 pub mod conditions;
+mod exchange;
 pub mod fields;
 mod generate;
 mod layout;

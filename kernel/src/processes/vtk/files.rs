@@ -3,6 +3,7 @@
 use super::super::{Clock, RunOptions};
 use crate::diagnostic::InputErrors;
 use crate::error::Error;
+use crate::io::checkpoint::{Archive, CheckpointError};
 use crate::io::dataset::Dataset;
 use crate::io::pvd::PvdSeries;
 use crate::io::vtk_legacy::{Encoding, write_legacy};
@@ -178,6 +179,46 @@ impl VtkFiles {
             Ok(())
         };
         work().map_err(|source| Error::Write { path: self.folder.clone(), source })
+    }
+
+    /// Saves or loads which files there are. Series go on after the files of the checkpoint; those that
+    /// came later are written again under the same names.
+    ///
+    /// # Errors
+    /// The file of a series is gone or not whole.
+    pub fn exchange(&mut self, archive: &mut Archive) -> Result<(), CheckpointError> {
+        let mut series: Vec<String> = self.series.keys().cloned().collect();
+        let mut names: Vec<String> = self.last.keys().cloned().collect();
+        let mut times: Vec<f64> = self.last.values().copied().collect();
+        let mut written: Vec<String> = self.written.iter().map(|path| path.to_string_lossy().into_owned()).collect();
+        archive.texts("series", &mut series)?;
+        archive.texts("names", &mut names)?;
+        archive.column("times", &mut times)?;
+        archive.texts("written", &mut written)?;
+        if archive.is_loading() {
+            self.last = names.into_iter().zip(times).collect();
+            self.written = written.into_iter().map(PathBuf::from).collect();
+            for name in series {
+                let path = self.folder.join(format!("{name}.pvd"));
+                let until = self.last.get(&name).copied().unwrap_or(f64::NEG_INFINITY);
+                let resumed = PvdSeries::resume(&path, until);
+                let resumed = resumed.map_err(|source| CheckpointError::File { path, source })?;
+                self.series.insert(name, resumed);
+            }
+            self.remove_unfinished();
+        }
+        Ok(())
+    }
+
+    /// Removes what a killed run did not finish.
+    fn remove_unfinished(&self) {
+        let entries = fs::read_dir(&self.folder).into_iter().flatten().flatten();
+        for entry in entries.filter(|entry| self.own_folder && is_ours(entry)) {
+            if entry.path().extension().is_some_and(|extension| extension == "tmp") {
+                // A file that stays is no fault of the run.
+                let _ = fs::remove_file(entry.path());
+            }
+        }
     }
 
     /// Step or time as it stands in the names of files. A time has as many digits more than the
