@@ -21,7 +21,7 @@ fn outputs(every: usize) -> Vec<Value> {
         process(
             "vtk_output_process",
             with(json!({"file_format": "ascii", "output_path": "cells",
-                        "gauss_point_variables_in_elements": ["MP_VELOCITY"]})),
+                        "gauss_point_variables_in_elements": ["VELOCITY"]})),
         ),
     ]
 }

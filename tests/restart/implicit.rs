@@ -74,7 +74,7 @@ fn statics() {
             .with(fix("Clamp", json!([0.0, 0.0, 0.0])));
         scene.loads.push(("Top", "MPMGridLineLoadCondition2D2N", top));
         let load = json!({"model_part_name": "Background_Grid.Top", "variable_name": "LINE_LOAD",
-                          "modulus": "300*t", "direction": [0.0, -1.0, 0.0]});
+                          "modulus": "30*t", "direction": [0.0, -1.0, 0.0]});
         scene.with(process("assign_vector_by_direction_to_condition_process", load)).write(folder);
     };
     assert_resumes("static", &write, &outputs(), [2, 5]);

@@ -3,6 +3,7 @@
 use crate::diagnostic::{Diagnostic, InputErrors, Place};
 use crate::error::Error;
 use crate::io::checkpoint::{Archive, CheckpointError, Contents, file};
+use crate::io::files::remove_unfinished;
 use crate::parameters::{Key, Kind, Parameters, Range, Settings};
 use crate::processes::Clock;
 use serde_json::{Map, Value, json};
@@ -65,6 +66,7 @@ impl Restart {
             std::fs::remove_file(&path).map_err(|source| CheckpointError::File { path, source })?;
         }
         self.files.clear();
+        remove_unfinished(&self.folder, is_checkpoint);
         // Fails, as it should, where it holds what others put there.
         let _ = std::fs::remove_dir(&self.folder);
         Ok(())
@@ -74,6 +76,7 @@ impl Restart {
     pub fn adopt(&mut self) {
         self.files = checkpoints(&self.folder);
         self.files.reverse();
+        remove_unfinished(&self.folder, is_checkpoint);
         self.last = Instant::now();
     }
 
@@ -116,13 +119,15 @@ impl Restart {
     }
 }
 
+/// Whether a file of this name is a checkpoint.
+fn is_checkpoint(name: &str) -> bool {
+    name.starts_with(STEM) && name.rsplit_once('.').is_some_and(|(_, extension)| extension == EXTENSION)
+}
+
 /// The checkpoints of a folder, the newest first.
 fn checkpoints(folder: &Path) -> Vec<PathBuf> {
     let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
-    let is_ours = |path: &PathBuf| {
-        let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
-        name.starts_with(STEM) && path.extension().is_some_and(|extension| extension == EXTENSION)
-    };
+    let is_ours = |path: &PathBuf| path.file_name().and_then(|name| name.to_str()).is_some_and(is_checkpoint);
     let mut found: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).filter(is_ours).collect();
     found.sort();
     found.reverse();

@@ -4,7 +4,7 @@
 //! The layout groups by entity, so a file cannot grow at its end: it is written again as a whole.
 
 use super::checkpoint::{Archive, CheckpointError};
-use super::files::write_atomically;
+use super::files::{remove_unfinished, write_atomically};
 use crate::diagnostic::{Diagnostic, InputErrors};
 use crate::model::Table;
 use crate::parameters::Document;
@@ -39,8 +39,12 @@ pub struct HistoryWriter {
 }
 
 impl HistoryWriter {
-    /// A history without entities; [`HistoryWriter::finish`] writes it.
+    /// A history without entities; [`HistoryWriter::finish`] writes it. What a killed run left
+    /// unfinished of this file is removed.
     pub fn new(path: PathBuf, series: Vec<Series>) -> Self {
+        if let (Some(folder), Some(name)) = (path.parent(), path.file_name()) {
+            remove_unfinished(folder, |unfinished| name == unfinished);
+        }
         let (times, entities) = (Vec::new(), Vec::new());
         let (last, cost) = (Instant::now(), Duration::ZERO);
         Self { path, series, times, entities, cursor: 0, unwritten: true, last, cost }

@@ -5,6 +5,7 @@ use crate::diagnostic::InputErrors;
 use crate::error::Error;
 use crate::io::checkpoint::{Archive, CheckpointError};
 use crate::io::dataset::Dataset;
+use crate::io::files::remove_unfinished;
 use crate::io::pvd::PvdSeries;
 use crate::io::vtk_legacy::{Encoding, write_legacy};
 use crate::io::vtu::{VtuOptions, write_vtu};
@@ -210,15 +211,10 @@ impl VtkFiles {
         Ok(())
     }
 
-    /// Removes what a killed run did not finish.
+    /// Removes what a killed run did not finish, of these files alone where the folder holds others.
     fn remove_unfinished(&self) {
-        let entries = fs::read_dir(&self.folder).into_iter().flatten().flatten();
-        for entry in entries.filter(|entry| self.own_folder && is_ours(entry)) {
-            if entry.path().extension().is_some_and(|extension| extension == "tmp") {
-                // A file that stays is no fault of the run.
-                let _ = fs::remove_file(entry.path());
-            }
-        }
+        let begins = |file: &str| self.last.keys().any(|name| file.starts_with(name.as_str()));
+        remove_unfinished(&self.folder, |file| self.own_folder || begins(file));
     }
 
     /// Step or time as it stands in the names of files. A time has as many digits more than the
