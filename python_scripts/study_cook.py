@@ -113,10 +113,10 @@ def percent(value):
 
 
 def order(errors, counts):
-    """Order of convergence on the last two meshes."""
-    if len(errors) < 2 or errors[-1] == 0.0:
+    """Order of convergence from the first mesh to the last; none where the error changes its sign or is tiny."""
+    if len(errors) < 2 or not all(error * errors[0] > 0.0 for error in errors):
         return "–"
-    return f"{math.log(abs(errors[-2] / errors[-1])) / math.log(counts[-1] / counts[-2]):.1f}"
+    return f"{math.log(errors[0] / errors[-1]) / math.log(counts[-1] / counts[0]):.2f}"
 
 
 class Study:

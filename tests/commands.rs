@@ -40,6 +40,15 @@ fn explain_shows_columns_and_what_is_left_out() {
     assert_eq!(position["bytes"], 2048 * 2 * 8);
     assert!(plan["stages"].as_array().unwrap().iter().any(|stage| stage == "linear solver"));
     let shown = text(&bia(root, &["explain", "examples/falling_disc/ProjectParameters.json"]).stdout);
+    // An application that a scene does not use has no column in it.
+    let columns_of = |example: &str| {
+        let plan = bia(root, &["explain", &format!("examples/{example}/ProjectParameters.json"), "--json"]);
+        let plan: Value = serde_json::from_slice(&plan.stdout).unwrap();
+        plan["columns"].as_array().unwrap().iter().map(|c| c["name"].as_str().unwrap().to_string()).collect::<Vec<_>>()
+    };
+    let (of_impact, of_points) = (columns_of("dgmpm_bar"), columns_of("colliding_discs"));
+    let faces = |columns: &[String]| columns.iter().any(|name| name.starts_with("faces"));
+    assert!(faces(&of_impact) && !faces(&of_points) && !of_impact.contains(&"acceleration".to_string()));
     assert!(shown.contains("left out") && shown.contains("points to grid -> assembly"), "{shown}");
 }
 

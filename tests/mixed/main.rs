@@ -4,11 +4,13 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod columns;
 mod cook;
 mod membrane;
 mod memory;
 mod newton;
 mod patch;
 mod settings;
+mod study;
 mod water;
 mod wave;

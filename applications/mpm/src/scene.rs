@@ -4,6 +4,7 @@
 use crate::active::search;
 use crate::grid::GRID;
 use crate::points::MaterialPoints;
+use crate::points::carriers;
 use crate::points::conditions::{self, PointConditions, Requests};
 use crate::points::{Columns, Plan, fields, generate};
 use crate::settings::{Frame, Regime, SolverSettings};
@@ -141,6 +142,7 @@ impl Scene {
         let mut points = generate(&plan)?;
         let elements = grid.elements.len() + bodies.elements.len() + points.len();
         points.conditions = conditions::generate(grid, &requests, &locator, elements)?;
+        carriers::choose(&mut points);
         if !space.is_mesh() {
             localise(&mut points, &space);
         }
@@ -201,8 +203,12 @@ impl Scene {
             tracing::warn!("{lost} material points left the grid and were erased; any more are counted at the end");
             self.told_loss = true;
         }
-        let conditions = &mut points.conditions;
-        for i in 0..conditions.len() {
+        for i in 0..points.conditions.len() {
+            if let Some(carrier) = points.conditions.carriers[i] {
+                carriers::follow(points, &self.space, i, carrier)?;
+                continue;
+            }
+            let conditions = &mut points.conditions;
             let x = conditions.position[i];
             match locator.locate(x, Some(conditions.cell[i])) {
                 Some((cell, xi)) => {

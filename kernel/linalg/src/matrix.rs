@@ -95,6 +95,15 @@ impl BlockMatrix {
         }
     }
 
+    /// Multiplies every entry of the diagonal by `factor`.
+    pub fn scale_diagonal(&mut self, factor: f64) {
+        let block = self.pattern.block();
+        for &entry in self.pattern.diagonal() {
+            let values = &mut self.values[entry as usize * block * block..][..block * block];
+            values.iter_mut().step_by(block + 1).for_each(|value| *value *= factor);
+        }
+    }
+
     /// Entry (`dof`, `dof`).
     pub(crate) fn diagonal_entry(&self, dof: usize) -> f64 {
         let block = self.pattern.block();

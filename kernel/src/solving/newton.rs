@@ -133,8 +133,9 @@ impl Newton {
                 return Ok(report);
             };
             report.iterations += 1;
+            let mut cut = false;
             if criterion.needs_residual() {
-                timed(&mut report.assembly, || problem.assemble(system, false))?;
+                cut = timed(&mut report.assembly, || evaluate(problem, system, &mut correction))?;
                 report.residual = free_norm(problem.dofs(), &system.rhs);
                 if !report.residual.is_finite() {
                     return Err(not_finite(problem, &system.rhs).into());
@@ -147,11 +148,31 @@ impl Newton {
                 let vectors = [&system.rhs, &correction, problem.unknowns()];
                 criterion.met_by_fields(fields, &references, dofs, vectors)
             };
+            // What a part of a correction leaves is not the end, however small it is.
+            report.converged &= !cut;
             if report.converged || report.iterations >= self.max_iterations {
                 return Ok(report);
             }
         }
     }
+}
+
+/// Most times that a correction is halved.
+const MOST_CUTS: usize = 8;
+
+/// Builds the residual after a correction. Where there is none, as the correction turns material inside
+/// out, half of it is taken, and so on; gives whether less than the whole was.
+fn evaluate(problem: &mut dyn NonlinearSystem, system: &mut System, correction: &mut [f64]) -> Result<bool, Error> {
+    let Err(whole) = problem.assemble(system, false) else { return Ok(false) };
+    for _ in 0..MOST_CUTS {
+        correction.iter_mut().for_each(|value| *value *= -0.5);
+        problem.correct(correction);
+        correction.iter_mut().for_each(|value| *value = -*value);
+        if problem.assemble(system, false).is_ok() {
+            return Ok(true);
+        }
+    }
+    Err(whole)
 }
 
 fn timed<T>(total: &mut Duration, work: impl FnOnce() -> T) -> T {
@@ -213,6 +234,8 @@ mod tests {
         dofs: ActiveDofs,
         u: Vec<f64>,
         load: f64,
+        /// Beyond this there is no residual.
+        limit: f64,
         residuals: Vec<f64>,
     }
 
@@ -221,6 +244,9 @@ mod tests {
             &self.dofs
         }
         fn assemble(&mut self, system: &mut System, with_matrix: bool) -> Result<(), Error> {
+            if self.u[0] > self.limit {
+                return Err(Failure::new("too far", "less").into());
+            }
             system.clear(with_matrix);
             let u = &self.u;
             system.add_cells(with_matrix, |_, buffer: &mut CellBuffer| {
@@ -252,7 +278,7 @@ mod tests {
         let mut dofs = ActiveDofs::new(1, &[true, true]);
         dofs.fixed_mut()[1] = true;
         let system = System::new(1, 2, vec![0, 1], vec![0, 2]);
-        (Cubic { dofs, u: vec![0.0, 0.5], load, residuals: Vec::new() }, system)
+        (Cubic { dofs, u: vec![0.0, 0.5], load, limit: f64::INFINITY, residuals: Vec::new() }, system)
     }
 
     #[test]
@@ -266,6 +292,22 @@ mod tests {
         let r = &problem.residuals;
         let order = (r[r.len() - 2] / r[r.len() - 3]).ln() / (r[r.len() - 3] / r[r.len() - 4]).ln();
         assert!(order > 1.7, "order {order} from {r:?}");
+    }
+
+    /// The first correction goes to 10, where there is no residual; a quarter of it is taken.
+    #[test]
+    fn corrections_without_a_residual_are_halved() {
+        let tolerances = Tolerances { relative: 1e-14, absolute: 0.0 };
+        let newton = Newton { max_iterations: 20, criterion: Some(Criterion::Residual(tolerances)) };
+        let (mut problem, mut system) = cubic(10.0);
+        problem.limit = 4.0;
+        let report = newton.solve(&mut problem, &mut system, solver(Method::Cholesky).as_mut()).unwrap();
+        assert!(report.converged && (problem.u[0] - 2.0).abs() < 1e-13 && problem.u[1] == 0.5, "{}", problem.u[0]);
+        assert!((problem.residuals[0] - (2.5 + 2.5f64.powi(3) - 10.0)).abs() < 1e-12, "{:?}", problem.residuals);
+        let (mut problem, mut system) = cubic(10.0);
+        problem.limit = 0.01;
+        let error = newton.solve(&mut problem, &mut system, solver(Method::Cholesky).as_mut()).unwrap_err();
+        assert!(error.to_string().contains("too far"), "{error}");
     }
 
     #[test]

@@ -166,13 +166,17 @@ impl Implicit {
         self.increments.resize(self.dofs.order(), 0.0);
         let space = &self.scene.space;
         let (fixed, values) = (space.held(&fixed), space.at_anchors(values));
+        // In statics that is what nodes moved by in the last step. Those at the edge of a body that has moved
+        // on may turn it inside out.
+        let is_reset = self.scene.settings.discretisation.frame == Frame::Updated;
+        let starts_from_last = self.scene.options.kratos_exact || self.mixed.is_none() || !is_reset;
         for number in 0..self.dofs.nodes().len() {
             let function = self.dofs.nodes()[number] as usize;
             for a in 0..block {
                 let held = fixed.get(function).is_some_and(|fixed| fixed[a]);
                 self.dofs.fixed_mut()[number * block + a] = held;
                 // The nodes know too little of the last step's functions of higher order to start from it.
-                if held || space.is_mesh() {
+                if held || (space.is_mesh() && starts_from_last) {
                     self.increments[number * block + a] = values[function][a];
                 }
             }

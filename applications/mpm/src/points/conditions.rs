@@ -1,5 +1,6 @@
 //! Conditions that move with the material: points on boundary lines or surfaces that carry a load.
 
+use super::carriers::Carrier;
 use bia_kernel::diagnostic::{Diagnostic, InputErrors};
 use bia_kernel::geometry::{CellLocator, Shape, rule};
 use bia_kernel::model::{ModelPart, kratos_order};
@@ -17,6 +18,8 @@ pub struct Request {
     pub count: usize,
     /// Evenly spaced with both ends instead of Gauss points; points that meet are merged.
     pub equally_distributed: bool,
+    /// Held by the nearest material points instead of the cells they lie in.
+    pub on_points: bool,
     /// Normals point the other way.
     pub flip_normal: bool,
     /// Who asks.
@@ -54,6 +57,10 @@ pub struct PointConditions {
     pub normal: Vec<[f64; 3]>,
     /// Force in N.
     pub load: Vec<[f64; 3]>,
+    /// The material point that carries a condition, if one does.
+    pub carriers: Vec<Option<Carrier>>,
+    /// Ranges of conditions that material points carry.
+    pub on_points: Vec<(usize, usize)>,
 }
 
 impl PointConditions {
@@ -77,6 +84,7 @@ impl PointConditions {
         self.area.push(area);
         self.normal.push(normal);
         self.load.push([0.0; 3]);
+        self.carriers.push(None);
     }
 }
 
@@ -117,6 +125,9 @@ pub fn generate(
                     errors.absorb(add(grid, condition as usize, request, &mut next_id, &mut made, first));
                 }
                 made.parts.push((part.name.clone(), first, made.len()));
+                if request.on_points {
+                    made.on_points.push((first, made.len()));
+                }
             }
         }
     }

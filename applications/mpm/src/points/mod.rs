@@ -1,6 +1,7 @@
 //! Material points, their blocks, and the conditions that move with them.
 
 mod block;
+pub mod carriers;
 pub mod conditions;
 mod exchange;
 pub mod fields;

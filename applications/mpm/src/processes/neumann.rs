@@ -27,6 +27,12 @@ const KEYS: &[Key] = &[
     Key::new("interval", Kind::Interval, "[0.0, 1e30]", "when it acts [s]"),
     Key::new("option", Kind::Choice(&["", "flip_normal"]), "\"\"", "flip_normal turns the normals round"),
     Key::new("is_equal_distributed", Kind::Bool, "false", "evenly spaced points with both ends of a line"),
+    Key::new(
+        "carrier",
+        Kind::Choice(&["grid", "points"]),
+        "\"grid\"",
+        "what moves and bears the load: the cell it lies in, or that of the material point nearest at the start",
+    ),
     Key::optional("local_axes", Kind::Any, "accepted"),
 ];
 
@@ -94,6 +100,7 @@ impl Process for Neumann {
             part: self.part.clone(),
             count: self.settings.integer("material_points_per_condition") as usize,
             equally_distributed: self.settings.flag("is_equal_distributed"),
+            on_points: self.settings.text("carrier") == "points",
             flip_normal: self.settings.text("option") == "flip_normal",
             place: self.settings.parameters().clone(),
         };
