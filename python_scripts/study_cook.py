@@ -56,6 +56,7 @@ class Run:
             if self.code not in (0, 3):
                 sys.exit(f"{' '.join(command)}\n{ended.stderr}")
             self.fault = ended.stderr.strip()
+            self.converged = "did not converge" not in self.fault
             self.tables = {path.stem: read(path) for path in Path(folder).glob("*.csv")}
             done = re.search(r"done: (\d+) steps? .*, (\d+) Newton", ended.stdout)
             cpu = re.search(r"time of the loop.* CPU (\S+) s", ended.stdout)
@@ -203,7 +204,8 @@ class Study:
                         settings |= {SOLVER + "time_stepping": {"time_step": 1.0 / number}}
                         settings |= {"/problem_data/end_time": 1.0 - 0.5 / number, VARIABLES + "POISSON_RATIO": 0.5}
                         run = self.run(settings, "ProjectParameters_dynamic.json")
-                        row.append("fails" if run.code else percent(tip_rise(run)[-1] / LIMITS[LARGE] - 1.0))
+                        shown = "fails" if run.code else percent(tip_rise(run)[-1] / LIMITS[LARGE] - 1.0)
+                        row.append(shown if run.converged else "no equilibrium")
                     rows.append(row)
         headings = ["cells", "grid reset", "n", *(f"{number} steps: tip %" for number in numbers)]
         self.table("steps", headings, rows)
@@ -247,8 +249,10 @@ def peak(run):
 
 
 def first_lines(fault):
-    lines = [line for line in fault.splitlines() if line.startswith(("error", "  at"))] or fault.splitlines()[-1:]
-    return " ".join(line.strip() for line in lines)
+    """What the program says failed, and where."""
+    lines = fault.splitlines()
+    start = next((i for i, line in enumerate(lines) if line.startswith("error")), len(lines) - 1)
+    return " — ".join(line.strip() for line in lines[start : start + 2])
 
 
 def insert(path, tables):

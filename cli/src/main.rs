@@ -5,6 +5,7 @@ mod new;
 mod progress;
 mod report;
 mod run;
+mod signal;
 
 use bia_kernel::registry::Registry;
 use clap::{Args, Parser, Subcommand};
@@ -26,9 +27,11 @@ const EXAMPLES: &str = "Examples:
   bia new scene --template falling-disc          write a project to begin with
   bia info Dynamic                               the keys of a solver, process, modeler or law
   bia schema > bia.schema.json                   for editors, in a member $schema of the project
+  bia run P.json --resume                        go on from the newest checkpoint of the project
   bia run P.json --threads 2 --output /tmp/out --set /problem_data/end_time=0.1
 
-Exit codes: 0 done, 1 a check process found differences, 2 wrong input, 3 the run failed.";
+Exit codes: 0 done, 1 a check process found differences, 2 wrong input, 3 the run failed,
+130 and 143 stopped by SIGINT (Ctrl-C) and SIGTERM after a whole step.";
 
 #[derive(Subcommand)]
 enum Command {

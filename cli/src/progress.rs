@@ -1,6 +1,7 @@
 //! Progress: a bar on a terminal, plain lines in a log.
 
 use crate::report;
+use crate::signal::Signal;
 use bia_kernel::analysis::Observer;
 use bia_kernel::processes::Clock;
 use bia_kernel::solving::StepReport;
@@ -17,6 +18,7 @@ pub struct Progress {
     begin: Instant,
     last: Instant,
     iterations: usize,
+    signal: Signal,
 }
 
 enum Mode {
@@ -27,13 +29,13 @@ enum Mode {
 
 impl Progress {
     /// A bar if standard error is a terminal, else lines; nothing if `quiet`.
-    pub fn new(quiet: bool) -> Self {
+    pub fn new(quiet: bool, signal: Signal) -> Self {
         let mode = match (quiet, std::io::stderr().is_terminal()) {
             (true, _) => Mode::Silent,
             (false, true) => Mode::Bar(None),
             (false, false) => Mode::Lines,
         };
-        Self { mode, begin: Instant::now(), last: Instant::now(), iterations: 0 }
+        Self { mode, begin: Instant::now(), last: Instant::now(), iterations: 0, signal }
     }
 
     /// Takes the bar away.
@@ -56,6 +58,10 @@ fn bar(planned: Option<usize>) -> ProgressBar {
 }
 
 impl Observer for Progress {
+    fn wants_to_stop(&self) -> bool {
+        self.signal.has_come()
+    }
+
     fn step(&mut self, clock: &Clock, planned: Option<usize>, report: &StepReport) {
         self.iterations += report.iterations;
         let text = format!("t {:.6e} s  dt {:.2e} s  iterations {}", clock.time, clock.time_step, report.iterations);

@@ -139,7 +139,7 @@ pub fn failure(error: &Error) -> ExitCode {
     ExitCode::from(match error {
         Error::Check(_) => 1,
         Error::Failure(_) => 3,
-        Error::Input(_) | Error::Write { .. } => 2,
+        Error::Input(_) | Error::Write { .. } | Error::Checkpoint(_) => 2,
     })
 }
 
@@ -191,7 +191,14 @@ pub fn plan(file: &Path, analysis: &Analysis, as_json: bool) {
 pub fn summary(account: &Account) {
     let iterations: usize = account.iterations.iter().sum();
     let (steps, iterations) = (counted(account.steps, "step"), counted(iterations, "Newton iteration"));
-    say!("done: {steps} to t = {:.6e} s, {iterations}", account.end_time);
+    let state = if account.interrupted { "stopped" } else { "done" };
+    say!("{state}: {steps} to t = {:.6e} s, {iterations}", account.end_time);
+    if account.interrupted {
+        match &account.checkpoint {
+            Some(path) => say!("  {:24} {}, for bia run --resume", "checkpoint", path.display()),
+            None => say!("  {:24} none: the project has no \"restart\"", "checkpoint"),
+        }
+    }
     if let Some(first) = account.not_converged.first() {
         let count = counted(account.not_converged.len(), "step");
         complain!("warning: {count} did not converge within max_iteration, the first is step {first}");

@@ -1,6 +1,7 @@
 //! `bia run` and `bia check`.
 
 use crate::progress::Progress;
+use crate::signal::Signal;
 use crate::{ProjectArguments, report};
 use bia_kernel::analysis::{Analysis, RecordPlan};
 use bia_kernel::diagnostic::{Diagnostic, InputErrors, Place};
@@ -24,6 +25,9 @@ pub struct RunArguments {
     /// Folder for results (default: the project's folder)
     #[arg(long, value_name = "DIR")]
     output: Option<PathBuf>,
+    /// Go on from the newest checkpoint, which the member "restart" of the project asks for
+    #[arg(long)]
+    resume: bool,
     /// Say nothing but errors
     #[arg(long)]
     quiet: bool,
@@ -61,15 +65,19 @@ pub fn run(arguments: &RunArguments, registry: &Registry) -> ExitCode {
     if !arguments.quiet {
         report::head(&arguments.project.file, &analysis.inventory(), threads);
     }
-    let mut progress = Progress::new(arguments.quiet);
-    let result = analysis.run(&mut progress, record);
+    let signal = Signal::wait();
+    let mut progress = Progress::new(arguments.quiet, signal.clone());
+    let result = match arguments.resume {
+        true => analysis.resume(&mut progress, record),
+        false => analysis.run(&mut progress, record),
+    };
     progress.finish();
     match result {
         Ok(account) => {
             if !arguments.quiet {
                 report::summary(&account);
             }
-            ExitCode::SUCCESS
+            if account.interrupted { ExitCode::from(signal.exit_code()) } else { ExitCode::SUCCESS }
         }
         Err(Error::Input(errors)) => report::input(&errors),
         Err(error) => report::failure(&error),

@@ -1,6 +1,7 @@
 //! What can stop a run.
 
 use crate::diagnostic::{Diagnostic, InputErrors};
+use crate::io::checkpoint::CheckpointError;
 use std::path::PathBuf;
 use thiserror::Error;
 
@@ -21,6 +22,9 @@ pub enum Error {
         /// The system's reason.
         source: std::io::Error,
     },
+    /// A checkpoint could not be written or taken up: exit code 2.
+    #[error("{0}")]
+    Checkpoint(#[from] CheckpointError),
     /// A check process found values that differ from its file: exit code 1.
     #[error("{0}")]
     Check(String),

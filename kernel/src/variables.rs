@@ -1,5 +1,7 @@
 //! Typed variables and the columns that hold their values, allocated on demand.
 
+mod exchange;
+
 use crate::io::json::JsonObject;
 use rayon::prelude::*;
 use std::collections::BTreeMap;

@@ -35,7 +35,8 @@ fn start(project: &str, settings: &[(String, Value)], folder: &Path) -> Output {
 fn run(project: &str, settings: &[(String, Value)]) -> TempDir {
     let folder = TempDir::new().unwrap();
     let output = start(project, settings, folder.path());
-    assert!(output.status.success(), "{settings:?}: {}", String::from_utf8_lossy(&output.stderr));
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && !told.contains("did not converge"), "{settings:?}: {told}");
     folder
 }
 
@@ -145,8 +146,8 @@ fn load_steps_with_and_without_reset() {
         settings.push(solver("solver_type", json!("static")));
         settings.push(solver("stabilization", json!("asgs")));
         settings.push(solver("grid_reset", json!(reset)));
-        settings.push(solver("time_stepping/time_step", json!(0.2)));
-        settings.push(("/problem_data/end_time".into(), json!(0.9)));
+        settings.push(solver("time_stepping/time_step", json!(0.5)));
+        settings.push(("/problem_data/end_time".into(), json!(0.75)));
         settings.push((LOAD.into(), json!("6.25e6*t")));
         let folder = run("ProjectParameters_dynamic.json", &settings);
         let error = last(&folder, "tip.csv", "MPC_DISPLACEMENT_Y [m]") / LARGE_LIMIT - 1.0;

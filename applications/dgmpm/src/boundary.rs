@@ -32,7 +32,7 @@ struct Face {
 pub struct Boundary {
     faces: Vec<Face>,
     /// Displacements of the nodes at the end of the last step (m), if any is prescribed.
-    last: Option<Vec<[f64; 3]>>,
+    pub(crate) last: Option<Vec<[f64; 3]>>,
 }
 
 impl Boundary {

@@ -11,6 +11,7 @@ use bia_constitutive::{BodyMaterial, Catalogue, Kinematics, Voigt};
 use bia_kernel::diagnostic::InputErrors;
 use bia_kernel::error::Failure;
 use bia_kernel::geometry::{Hexahedron8, Line2, Quadrilateral4};
+use bia_kernel::io::checkpoint::{Archive, CheckpointError};
 use bia_kernel::model::{Model, ModelPart};
 use bia_kernel::processes::Clock;
 use bia_kernel::variables::Variable;
@@ -91,6 +92,11 @@ pub trait Engine: Send {
     /// # Errors
     /// A cell that stopped.
     fn step(&mut self, part: &ModelPart, clock: &Clock) -> Result<(), Failure>;
+    /// Saves the state to a checkpoint or loads it from there.
+    ///
+    /// # Errors
+    /// The checkpoint does not fit.
+    fn exchange(&mut self, archive: &mut Archive) -> Result<(), CheckpointError>;
 }
 
 /// The model extension: the body, and what is to be written of its cells.
@@ -285,6 +291,10 @@ impl<const D: usize> Engine for Body<D> {
     fn start(&mut self, part: &ModelPart) -> Result<(), Failure> {
         self.boundary.update(part, 0.0, &mut self.scheme.conditions);
         self.scheme.start().map_err(|stop| self.failure(part, &stop))
+    }
+
+    fn exchange(&mut self, archive: &mut Archive) -> Result<(), CheckpointError> {
+        Body::exchange(self, archive)
     }
 
     fn step(&mut self, part: &ModelPart, clock: &Clock) -> Result<(), Failure> {

@@ -13,6 +13,7 @@ mod boundary;
 mod chunk;
 mod engine;
 mod exact;
+mod exchange;
 mod faces;
 mod fields;
 mod kind;

@@ -47,7 +47,8 @@ pub struct Scheme<const D: usize> {
     pub conditions: Vec<Condition<D>>,
     /// Work that the boundary has done (J).
     pub work: f64,
-    traces: Vec<Trace<D>>,
+    /// What the faces see of their cells, slot by slot.
+    pub traces: Vec<Trace<D>>,
     stars: Vec<Trace<D>>,
     /// Traces at the start of a step, for the transverse correction.
     base: Vec<Trace<D>>,

@@ -8,6 +8,7 @@ use crate::settings::SolverSettings;
 use bia_constitutive::{BodyMaterial, Catalogue};
 use bia_kernel::diagnostic::InputErrors;
 use bia_kernel::error::{Error, Failure};
+use bia_kernel::io::checkpoint::{Archive, CheckpointError};
 use bia_kernel::io::json::JsonObject;
 use bia_kernel::model::{Model, ModelPart};
 use bia_kernel::processes::{Clock, Context, Location, Process, Requirements};
@@ -140,6 +141,12 @@ impl Solver for DiscontinuousGalerkin {
 
     fn before_solution_loop(&mut self, context: &mut Context) -> Result<(), Error> {
         self.with(context.model, |points, part| points.body.start(part))
+    }
+
+    fn exchange_state(&mut self, model: &mut Model, archive: &mut Archive) -> Result<(), CheckpointError> {
+        archive.flag("told unstable", &mut self.told_unstable)?;
+        let missing = || CheckpointError::Missing("points".into());
+        model.extension_mut::<Points>().ok_or_else(missing)?.body.exchange(archive)
     }
 
     fn time_step(&mut self, model: &Model, clock: &Clock) -> Result<f64, Error> {

@@ -4,6 +4,7 @@ use crate::points::{Block, MaterialPoints};
 use crate::space::Space;
 use bia_kernel::error::Failure;
 use bia_kernel::geometry::CellLocator;
+use bia_kernel::io::checkpoint::{Archive, CheckpointError};
 use rayon::prelude::*;
 
 /// Marks a point that has no cell.
@@ -45,6 +46,21 @@ impl ActiveCells {
     /// Points of an active cell: (block, point).
     pub fn points(&self, index: usize) -> impl Iterator<Item = (u32, u32)> + Clone {
         self.runs(index).iter().flat_map(|run| (run.first..run.first + run.count).map(|point| (run.block, point)))
+    }
+
+    /// Saves or loads the cells as they are: a point may have changed its cell since they were gathered.
+    ///
+    /// # Errors
+    /// The checkpoint does not hold them.
+    pub fn exchange(&mut self, archive: &mut Archive) -> Result<(), CheckpointError> {
+        let mut runs: Vec<[u32; 3]> = self.runs.iter().map(|run| [run.block, run.first, run.count]).collect();
+        archive.column("cells", &mut self.cells)?;
+        archive.column("starts", &mut self.starts)?;
+        archive.column("runs", &mut runs)?;
+        if archive.is_loading() {
+            self.runs = runs.into_iter().map(|[block, first, count]| Run { block, first, count }).collect();
+        }
+        Ok(())
     }
 
     /// Sorts the points of all blocks into their cells.

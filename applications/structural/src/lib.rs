@@ -7,6 +7,7 @@
 mod advance;
 mod body;
 mod element;
+mod exchange;
 mod names;
 mod problem;
 mod results;

@@ -9,6 +9,7 @@ use crate::variables::{ACCELERATION, DISPLACEMENT, REACTION, VELOCITY};
 use bia_constitutive::{BodyMaterial, Catalogue};
 use bia_kernel::diagnostic::{Diagnostic, InputErrors};
 use bia_kernel::error::{Error, Failure};
+use bia_kernel::io::checkpoint::{Archive, CheckpointError};
 use bia_kernel::io::json::JsonObject;
 use bia_kernel::linalg::{LinearSolver, solver};
 use bia_kernel::model::{Model, ModelPart};
@@ -44,12 +45,12 @@ pub struct Structural {
     pub(crate) settings: SolverSettings,
     materials: Vec<BodyMaterial>,
     catalogue: Catalogue,
-    body: Option<Body>,
+    pub(crate) body: Option<Body>,
     pub(crate) dofs: ActiveDofs,
     /// Matrix and linear solver; none in explicit runs.
     pub(crate) linear: Option<(System, Box<dyn LinearSolver>)>,
     pub(crate) state: State,
-    stability: Stability,
+    pub(crate) stability: Stability,
     /// Variables of elements to be written.
     elemental: Vec<Variable>,
     pub(crate) reactions: bool,
@@ -224,6 +225,10 @@ impl Solver for Structural {
             self.write_nodes(part);
         }
         Ok(())
+    }
+
+    fn exchange_state(&mut self, _: &mut Model, archive: &mut Archive) -> Result<(), CheckpointError> {
+        self.exchange(archive)
     }
 
     fn time_step(&mut self, model: &Model, clock: &Clock) -> Result<f64, Error> {

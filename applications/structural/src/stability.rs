@@ -4,6 +4,7 @@
 
 use crate::problem::{Step, Tangent};
 use bia_kernel::error::Failure;
+use bia_kernel::io::checkpoint::{Archive, CheckpointError};
 use bia_kernel::solving::CellBuffer;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -25,6 +26,17 @@ pub struct Stability {
 }
 
 impl Stability {
+    /// Saves or loads the last evaluation and when the next one is due.
+    ///
+    /// # Errors
+    /// The checkpoint does not hold them.
+    pub fn exchange(&mut self, archive: &mut Archive) -> Result<(), CheckpointError> {
+        archive.number("step", &mut self.step)?;
+        archive.count("element", &mut self.element)?;
+        archive.count("age", &mut self.age)?;
+        archive.count("interval", &mut self.interval)
+    }
+
     /// The stable step in seconds at these displacements; infinite without stiffness.
     ///
     /// # Errors

@@ -1,6 +1,7 @@
 //! The account of a run: what it did, how long it took, and the states that `--record` asks for.
 
 use crate::error::Error;
+use crate::io::checkpoint::{Archive, CheckpointError, reopen};
 use crate::io::json::JsonObject;
 use crate::model::Model;
 use crate::processes::Clock;
@@ -8,8 +9,8 @@ use crate::solving::StepReport;
 use crate::solving::solver::Solver;
 use cpu_time::ProcessTime;
 use serde_json::{Map, Value, json};
-use std::fs::File;
-use std::io::{BufWriter, Write};
+use std::fs::{File, OpenOptions};
+use std::io::{BufWriter, Seek, Write};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -34,6 +35,12 @@ pub struct Account {
     pub wall_loop: Duration,
     /// CPU time of the loop, all threads.
     pub cpu_loop: Duration,
+    /// The run was asked to stop before its end.
+    pub interrupted: bool,
+    /// The checkpoint from which an interrupted run can be resumed.
+    pub checkpoint: Option<PathBuf>,
+    /// Wall and CPU time of the loop before the run was resumed.
+    earlier: [Duration; 2],
     begin: Instant,
     loop_begin: (Instant, Duration),
 }
@@ -50,6 +57,9 @@ impl Account {
             files: Vec::new(),
             wall_loop: Duration::ZERO,
             cpu_loop: Duration::ZERO,
+            interrupted: false,
+            checkpoint: None,
+            earlier: [Duration::ZERO; 2],
             begin: Instant::now(),
             loop_begin: (Instant::now(), Duration::ZERO),
         }
@@ -60,8 +70,30 @@ impl Account {
     }
 
     pub(super) fn end_loop(&mut self) {
-        self.wall_loop = self.loop_begin.0.elapsed();
-        self.cpu_loop = cpu_total().saturating_sub(self.loop_begin.1);
+        [self.wall_loop, self.cpu_loop] = self.times();
+    }
+
+    /// Wall and CPU time of the loop so far.
+    fn times(&self) -> [Duration; 2] {
+        let [wall, cpu] = self.earlier;
+        [wall + self.loop_begin.0.elapsed(), cpu + cpu_total().saturating_sub(self.loop_begin.1)]
+    }
+
+    /// Saves or loads the account of the steps so far.
+    pub(super) fn exchange(&mut self, archive: &mut Archive) -> Result<(), CheckpointError> {
+        let mut times = self.times().map(|time| time.as_secs_f64());
+        archive.slice("wall and CPU time", &mut times)?;
+        if archive.is_loading() {
+            self.earlier = times.map(|time| Duration::try_from_secs_f64(time).unwrap_or_default());
+        }
+        for (name, list) in [("iterations", &mut self.iterations), ("not converged", &mut self.not_converged)] {
+            let mut numbers: Vec<u64> = list.iter().map(|number| *number as u64).collect();
+            archive.column(name, &mut numbers)?;
+            if archive.is_loading() {
+                *list = numbers.into_iter().map(|number| number as usize).collect();
+            }
+        }
+        Ok(())
     }
 
     pub(super) fn step(&mut self, clock: &Clock, report: &StepReport) {
@@ -111,12 +143,14 @@ pub(super) struct Recorder {
     file: BufWriter<File>,
     states: usize,
     whole: bool,
+    /// A resumed run may go on with it.
+    keeps: bool,
 }
 
 /// What was not finished is taken away.
 impl Drop for Recorder {
     fn drop(&mut self) {
-        if !self.whole {
+        if !self.whole && !self.keeps {
             // The first error is on its way to the caller; a second one could not help.
             let _ = std::fs::remove_file(&self.partial);
         }
@@ -124,7 +158,15 @@ impl Drop for Recorder {
 }
 
 impl Recorder {
-    pub(super) fn new(plan: RecordPlan, planned: Option<usize>, clock: &Clock) -> Result<Self, Error> {
+    /// A new record, or that of the run that is `resumed`, which [`Self::exchange`] brings to its place;
+    /// `keeps` the states on the disk if the run stops.
+    pub(super) fn new(
+        plan: RecordPlan,
+        planned: Option<usize>,
+        clock: &Clock,
+        resumed: bool,
+        keeps: bool,
+    ) -> Result<Self, Error> {
         let n = plan.states.max(1);
         let due = match planned {
             Some(total) => {
@@ -142,14 +184,34 @@ impl Recorder {
             true => Err(std::io::Error::other("it is a folder")),
             false => Ok(()),
         };
-        let open = place.and_then(|()| File::create(&partial)).and_then(|file| {
-            let mut file = BufWriter::new(file);
+        let make = || {
+            if resumed {
+                return OpenOptions::new().write(true).open(&partial).map(BufWriter::new);
+            }
+            let mut file = BufWriter::new(File::create(&partial)?);
             file.write_all(b"{\"snapshots\":[").map(|()| file)
-        });
-        match open {
-            Ok(file) => Ok(Self { plan, due, partial, file, states: 0, whole: false }),
+        };
+        match place.and_then(|()| make()) {
+            Ok(file) => Ok(Self { plan, due, partial, file, states: 0, whole: false, keeps }),
+            Err(source) if resumed => Err(CheckpointError::File { path: partial, source }.into()),
             Err(source) => Err(Error::Write { path: plan.path, source }),
         }
+    }
+
+    /// Saves or loads what stands in the partial file.
+    pub(super) fn exchange(&mut self, archive: &mut Archive) -> Result<(), CheckpointError> {
+        let failed = |source| CheckpointError::File { path: self.partial.clone(), source };
+        self.file.flush().map_err(failed)?;
+        let mut length = self.file.stream_position().map_err(failed)? as usize;
+        archive.count("states", &mut self.states)?;
+        archive.count("length", &mut length)?;
+        if let Due::Times { next, .. } = &mut self.due {
+            archive.number("next", next)?;
+        }
+        if archive.is_loading() {
+            self.file = BufWriter::new(reopen(&self.partial, length as u64).map_err(failed)?);
+        }
+        Ok(())
     }
 
     pub(super) fn observe(&mut self, clock: &Clock, solver: &dyn Solver, model: &Model) -> Result<(), Error> {

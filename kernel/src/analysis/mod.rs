@@ -2,6 +2,7 @@
 
 mod account;
 mod project;
+mod restart;
 mod schema;
 
 pub use account::{Account, RecordPlan, number, peak_memory_mb};
@@ -10,13 +11,16 @@ pub use schema::project_schema;
 
 use crate::diagnostic::{Diagnostic, InputErrors, Place};
 use crate::error::Error;
+use crate::io::checkpoint::{Archive, CheckpointError, Contents, file};
 use crate::model::Model;
 use crate::parameters::{Document, Parameters};
 use crate::processes::{Clock, Context, Process, Requirements, RunOptions};
 use crate::registry::Registry;
 use crate::solving::StepReport;
 use crate::solving::solver::{Inventory, Solver};
+use crate::variables::Variable;
 use account::Recorder;
+use restart::Restart;
 use std::time::{Duration, Instant};
 
 /// Name of the file to which a failed run saves its state.
@@ -26,6 +30,12 @@ pub const FAILED_STATE: &str = "failed_state.vtu";
 pub trait Observer {
     /// A step is done. `planned` is the number of steps expected, if it can be known.
     fn step(&mut self, clock: &Clock, planned: Option<usize>, report: &StepReport);
+
+    /// Asked after each step: whether the run shall stop here, with a checkpoint if the project has
+    /// `restart`.
+    fn wants_to_stop(&self) -> bool {
+        false
+    }
 }
 
 /// An observer that looks away.
@@ -42,6 +52,11 @@ pub struct Analysis {
     clock: Clock,
     options: RunOptions,
     project: Parameters,
+    restart: Option<Restart>,
+    /// By which a checkpoint is told from those of other projects; none before the run.
+    identity: serde_json::Value,
+    /// All that there are, so that columns of a checkpoint find their names.
+    variables: Vec<Variable>,
     warnings: Vec<String>,
     stages: Vec<(&'static str, Duration)>,
 }
@@ -106,8 +121,10 @@ impl Analysis {
         let clock =
             Clock { start, time: start, load_time: start, end: project.problem.number("end_time"), ..Clock::default() };
         check_time_step(solver.as_mut(), &model, &clock, &project)?;
-        let project = project.root;
-        Ok(Self { model, solver, processes, clock, options, project, warnings, stages: Vec::new() })
+        let restart = project.restart.as_ref().map(|settings| Restart::new(settings, &options.output));
+        let (project, variables) = (project.root, registry.variables().to_vec());
+        let (identity, stages) = (serde_json::Value::Null, Vec::new());
+        Ok(Self { model, solver, processes, clock, options, project, restart, identity, variables, warnings, stages })
     }
 
     /// What the scene consists of.
@@ -144,21 +161,41 @@ impl Analysis {
         Some(clock.step)
     }
 
-    /// Runs to the end.
+    /// Runs to the end, or until the observer wants to stop.
     ///
     /// # Errors
     /// A numerical failure (after saving the state), or a file that cannot be written.
     pub fn run(&mut self, observer: &mut dyn Observer, record: Option<RecordPlan>) -> Result<Account, Error> {
-        // What an earlier run left must not be taken for this one's.
-        let _ = std::fs::remove_file(self.options.output.join(FAILED_STATE));
+        self.start(observer, record, false)
+    }
+
+    /// Goes on from the newest whole checkpoint, to the same bits as if the run had never stopped.
+    ///
+    /// # Errors
+    /// There is no checkpoint, or it is of another project; else as [`Self::run`].
+    pub fn resume(&mut self, observer: &mut dyn Observer, record: Option<RecordPlan>) -> Result<Account, Error> {
+        self.start(observer, record, true)
+    }
+
+    fn start(
+        &mut self,
+        observer: &mut dyn Observer,
+        record: Option<RecordPlan>,
+        resumes: bool,
+    ) -> Result<Account, Error> {
         let planned = self.planned_steps();
         if let Some(plan) = record.as_ref().filter(|plan| self.project.is_input(&plan.path)) {
             let message = format!("the record {} would overwrite an input file", plan.path.display());
             return Err(Diagnostic::error(Place::default(), message).into());
         }
-        let mut recorder = record.map(|plan| Recorder::new(plan, planned, &self.clock)).transpose()?;
+        let checkpoint = self.choose_checkpoint(record.as_ref(), resumes)?;
+        // What an earlier run left must not be taken for this one's.
+        let _ = std::fs::remove_file(self.options.output.join(FAILED_STATE));
+        let keeps = self.restart.is_some();
+        let record = record.map(|plan| Recorder::new(plan, planned, &self.clock, resumes, keeps));
+        let mut recorder = record.transpose()?;
         let mut account = Account::start();
-        match self.run_loop(observer, planned, &mut recorder, &mut account) {
+        match self.run_loop(observer, planned, &mut recorder, &mut account, checkpoint) {
             Ok(()) => {}
             Err(Error::Failure(mut failure)) => {
                 failure.stamp(self.clock.step, self.clock.time);
@@ -169,10 +206,19 @@ impl Analysis {
                     }
                     Err(error) => format!("the state could not be saved: {error}"),
                 });
+                if let Some(newest) = self.restart.as_ref().and_then(|restart| restart.files.last()) {
+                    failure = failure.detail(format!("the newest checkpoint is {}", newest.display()));
+                }
                 return Err(Error::Failure(failure));
             }
             Err(other) => return Err(other),
         }
+        self.finish(&mut account, recorder)?;
+        Ok(account)
+    }
+
+    /// What is told of a run that has ended without an error.
+    fn finish(&mut self, account: &mut Account, recorder: Option<Recorder>) -> Result<(), Error> {
         for remark in self.solver.remarks(&self.model) {
             tracing::warn!("{remark}");
         }
@@ -182,10 +228,104 @@ impl Analysis {
         account.stages.splice(1..2, self.solver.stages());
         account.energies = self.solver.energies(&self.model);
         account.files = self.processes.iter().flat_map(|p| p.files()).collect();
-        if let Some(recorder) = recorder {
-            recorder.finish(&account, self.solver.account(&self.model))?;
+        if let Some(restart) = self.restart.as_ref().filter(|restart| restart.bytes > 0) {
+            account.stages.push(("checkpoints", restart.cost));
         }
-        Ok(account)
+        if account.interrupted {
+            account.checkpoint = self.restart.as_ref().and_then(|restart| restart.files.last().cloned());
+            return Ok(());
+        }
+        if let Some(recorder) = recorder {
+            recorder.finish(account, self.solver.account(&self.model))?;
+        }
+        // A run that is done cannot be resumed.
+        Ok(self.restart.as_mut().map_or(Ok(()), Restart::clear)?)
+    }
+
+    /// The checkpoint to go on from, if any; else those of earlier runs are removed.
+    fn choose_checkpoint(&mut self, record: Option<&RecordPlan>, resumes: bool) -> Result<Option<Contents>, Error> {
+        if self.restart.is_none() && !resumes {
+            return Ok(None);
+        }
+        let record = record.map_or(serde_json::Value::Null, |plan| plan.states.into());
+        let (sum, exact) = (self.model.mesh_sum(), self.options.kratos_exact);
+        self.identity = restart::identity(&self.project, sum, exact, record);
+        let (output, identity) = (&self.options.output, &self.identity);
+        let found = if resumes { Some(restart::newest(output, identity)?) } else { None };
+        match (&mut self.restart, &found) {
+            (Some(restart), Some(_)) => restart.adopt(),
+            (Some(restart), None) => restart.clear()?,
+            _ => {}
+        }
+        Ok(found.map(|(path, contents)| {
+            tracing::info!("resumed from {}", path.display());
+            contents
+        }))
+    }
+
+    /// Saves or loads all that the run keeps from step to step.
+    fn exchange(
+        &mut self,
+        archive: &mut Archive,
+        account: &mut Account,
+        recorder: &mut Option<Recorder>,
+    ) -> Result<(), CheckpointError> {
+        archive.section("analysis", |archive| {
+            let clock = &mut self.clock;
+            archive.count("step", &mut clock.step)?;
+            archive.number("time", &mut clock.time)?;
+            archive.number("time_step", &mut clock.time_step)?;
+            archive.number("load_time", &mut clock.load_time)?;
+            account.exchange(archive)?;
+            recorder.as_mut().map_or(Ok(()), |recorder| recorder.exchange(archive))
+        })?;
+        archive.section("model", |archive| self.model.exchange_state(archive, &self.variables))?;
+        archive.section("solver", |archive| self.solver.exchange_state(&mut self.model, archive))?;
+        for (index, process) in self.processes.iter_mut().enumerate() {
+            let name = format!("process {index}: {}", process.name());
+            archive.section(&name, |archive| process.exchange_state(archive))?;
+        }
+        Ok(())
+    }
+
+    /// Writes a checkpoint, if the project asks for any and one is due or the run stops.
+    fn save_checkpoint(
+        &mut self,
+        account: &mut Account,
+        recorder: &mut Option<Recorder>,
+        stops: bool,
+    ) -> Result<(), Error> {
+        let Some(mut restart) = self.restart.take_if(|restart| stops || restart.is_due(&self.clock)) else {
+            return Ok(());
+        };
+        let (clock, identity) = (self.clock, std::mem::take(&mut self.identity));
+        let saved = restart.save(&clock, &identity, &mut |archive| self.exchange(archive, account, recorder));
+        (self.restart, self.identity) = (Some(restart), identity);
+        Ok(saved?)
+    }
+
+    /// Brings the scene to its start, or to the state of a checkpoint.
+    fn begin(
+        &mut self,
+        account: &mut Account,
+        recorder: &mut Option<Recorder>,
+        checkpoint: Option<Contents>,
+    ) -> Result<(), Error> {
+        if let Some(contents) = checkpoint {
+            return Ok(self.exchange(&mut Archive::loading(&contents), account, recorder)?);
+        }
+        if self.restart.is_some() {
+            // Better told now than after hours.
+            file::check(&mut |archive| self.exchange(archive, account, recorder))?;
+        }
+        self.all(0, |process, context| process.execute_initialize(context))?;
+        self.all(0, |process, context| process.execute_before_solution_loop(context))?;
+        let mut context = Context { model: &mut self.model, clock: &self.clock, options: &self.options };
+        self.solver.before_solution_loop(&mut context)?;
+        match recorder {
+            Some(recorder) => recorder.observe(&self.clock, self.solver.as_ref(), &self.model),
+            None => Ok(()),
+        }
     }
 
     fn run_loop(
@@ -194,15 +334,10 @@ impl Analysis {
         planned: Option<usize>,
         recorder: &mut Option<Recorder>,
         account: &mut Account,
+        checkpoint: Option<Contents>,
     ) -> Result<(), Error> {
         self.stages = vec![("processes", Duration::ZERO), ("solver", Duration::ZERO), ("output", Duration::ZERO)];
-        self.all(0, |process, context| process.execute_initialize(context))?;
-        self.all(0, |process, context| process.execute_before_solution_loop(context))?;
-        let mut context = Context { model: &mut self.model, clock: &self.clock, options: &self.options };
-        self.solver.before_solution_loop(&mut context)?;
-        if let Some(recorder) = recorder {
-            recorder.observe(&self.clock, self.solver.as_ref(), &self.model)?;
-        }
+        self.begin(account, recorder, checkpoint)?;
         account.start_loop();
         while self.clock.time < self.clock.end {
             let step = self.solver.time_step(&self.model, &self.clock)?;
@@ -224,8 +359,17 @@ impl Analysis {
                 recorder.observe(&self.clock, self.solver.as_ref(), &self.model)?;
             }
             observer.step(&self.clock, planned, &report);
+            // The last step may as well be finished.
+            account.interrupted = observer.wants_to_stop() && self.clock.time < self.clock.end;
+            self.save_checkpoint(account, recorder, account.interrupted)?;
+            if account.interrupted {
+                break;
+            }
         }
         account.end_loop();
+        if account.interrupted {
+            return Ok(());
+        }
         self.all(0, |process, context| process.execute_finalize(context))
     }
 

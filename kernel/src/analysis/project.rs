@@ -1,5 +1,6 @@
 //! The layout of `ProjectParameters.json`: which blocks there are and in which order they act.
 
+use super::restart::{NAME, RESTART};
 use crate::diagnostic::{InputErrors, nearest};
 use crate::parameters::{Key, Kind, Parameters, Range, Settings, describe};
 
@@ -24,6 +25,7 @@ const MEMBERS: &[&str] = &[
     "processes",
     "output_processes",
     "kratos_exact",
+    NAME,
 ];
 /// Members that Kratos projects carry and that change nothing here.
 pub(super) const WITHOUT_EFFECT: &[&str] = &[
@@ -53,6 +55,8 @@ pub struct Project {
     pub outputs: Vec<Parameters>,
     /// The project itself asks to reproduce Kratos.
     pub kratos_exact: bool,
+    /// `restart`, if given.
+    pub restart: Option<Settings>,
     /// What is legal but has no effect.
     pub warnings: Vec<String>,
 }
@@ -91,6 +95,7 @@ impl Project {
         }
         let flag = root.child("kratos_exact").and_then(|flag| errors.absorb(read_flag(&flag)));
         let kratos_exact = flag.unwrap_or(false);
+        let restart = root.child(NAME).and_then(|restart| errors.absorb(restart.read(RESTART)));
         match (problem, solver) {
             (Some(problem), Some(solver)) => errors.or(Self {
                 root: root.clone(),
@@ -100,6 +105,7 @@ impl Project {
                 processes,
                 outputs,
                 kratos_exact,
+                restart,
                 warnings,
             }),
             _ => Err(errors),

@@ -1,6 +1,7 @@
 //! The JSON Schema of a whole project, made of the tables of keys of all registered components.
 
 use super::project::{LEGACY_LISTS, PROBLEM_DATA, WITHOUT_EFFECT};
+use super::restart::{NAME, RESTART};
 use crate::parameters::Key;
 use crate::parameters::schema::object;
 use crate::registry::Registry;
@@ -37,6 +38,7 @@ pub fn project_schema(registry: &Registry) -> Value {
         "modelers": {"type": "array", "items": reference("modeler")},
         "processes": lists,
         "output_processes": lists,
+        NAME: object(RESTART),
         "analysis_stage": {"type": "string"},
         "kratos_exact": {"type": "boolean", "default": false,
                          "description": "reproduce Kratos 10.4.4 to round-off, its faults included"},

@@ -1,5 +1,6 @@
 //! When an output process prints.
 
+use crate::io::checkpoint::{Archive, CheckpointError};
 use crate::parameters::Settings;
 use crate::processes::Clock;
 
@@ -37,6 +38,14 @@ impl OutputControl {
     pub fn is_due(&self, clock: &Clock) -> bool {
         // Times are accumulated sums: a part in 1e12 of slack keeps 10 steps of 0.1 from missing 1.0.
         self.now(clock) >= self.next - 1e-12 * self.next.abs()
+    }
+
+    /// Saves or loads when output is due next.
+    ///
+    /// # Errors
+    /// The checkpoint does not hold it.
+    pub fn exchange(&mut self, archive: &mut Archive) -> Result<(), CheckpointError> {
+        archive.number("next output", &mut self.next)
     }
 
     /// Tells that output was printed now.

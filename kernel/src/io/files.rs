@@ -42,6 +42,21 @@ fn temporary_path(path: &Path) -> io::Result<PathBuf> {
     Ok(path.with_file_name(hidden))
 }
 
+/// Removes from a folder what [`write_atomically`] left when its program was killed, of the files whose
+/// names are chosen.
+pub fn remove_unfinished(folder: &Path, chosen: impl Fn(&str) -> bool) {
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let hidden = entry.file_name();
+        let parts = hidden.to_str().and_then(|name| name.strip_prefix('.')?.strip_suffix(".tmp")?.rsplit_once('.'));
+        let Some((name, process)) = parts else { continue };
+        if process.bytes().all(|byte| byte.is_ascii_digit()) && chosen(name) {
+            // A file that stays is no fault of the run.
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+}
+
 /// Removes the temporary file unless it has been moved, also when `content` panics.
 struct Temporary {
     path: PathBuf,
@@ -96,6 +111,18 @@ mod tests {
         assert_eq!(bytes.unwrap(), 4 + 3 * BUFFER as u64);
         assert_eq!(fs::metadata(&path).unwrap().len(), 4 + 3 * BUFFER as u64);
         assert_eq!(names(folder.path()), ["result.txt"]);
+    }
+
+    #[test]
+    fn only_the_chosen_unfinished_files_are_removed() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in [".a.json.17.tmp", ".b.json.17.tmp", ".a.json.x7.tmp", "a.json.17.tmp", "a.json"] {
+            fs::write(folder.path().join(name), "").unwrap();
+        }
+        remove_unfinished(folder.path(), |name| name == "a.json");
+        let mut left = names(folder.path());
+        left.sort();
+        assert_eq!(left, [".a.json.x7.tmp", ".b.json.17.tmp", "a.json", "a.json.17.tmp"]);
     }
 
     #[test]

@@ -3,7 +3,8 @@
 //!
 //! The layout groups by entity, so a file cannot grow at its end: it is written again as a whole.
 
-use super::files::write_atomically;
+use super::checkpoint::{Archive, CheckpointError};
+use super::files::{remove_unfinished, write_atomically};
 use crate::diagnostic::{Diagnostic, InputErrors};
 use crate::model::Table;
 use crate::parameters::Document;
@@ -38,8 +39,12 @@ pub struct HistoryWriter {
 }
 
 impl HistoryWriter {
-    /// A history without entities; [`HistoryWriter::finish`] writes it.
+    /// A history without entities; [`HistoryWriter::finish`] writes it. What a killed run left
+    /// unfinished of this file is removed.
     pub fn new(path: PathBuf, series: Vec<Series>) -> Self {
+        if let (Some(folder), Some(name)) = (path.parent(), path.file_name()) {
+            remove_unfinished(folder, |unfinished| name == unfinished);
+        }
         let (times, entities) = (Vec::new(), Vec::new());
         let (last, cost) = (Instant::now(), Duration::ZERO);
         Self { path, series, times, entities, cursor: 0, unwritten: true, last, cost }
@@ -72,6 +77,36 @@ impl HistoryWriter {
         });
         self.entities[entity].1.extend_from_slice(values);
         self.cursor = entity + 1;
+    }
+
+    /// Saves or loads all values so far; the file is written again after loading.
+    ///
+    /// # Errors
+    /// The checkpoint does not hold them.
+    pub fn exchange(&mut self, archive: &mut Archive) -> Result<(), CheckpointError> {
+        let mut names: Vec<String> = self.series.iter().map(|series| series.name.clone()).collect();
+        // A list of length 0 stands for a plain number: no list is empty.
+        let mut lists: Vec<u64> = self.series.iter().map(|series| series.list.unwrap_or(0) as u64).collect();
+        let mut keys: Vec<String> = self.entities.iter().map(|(key, _)| key.clone()).collect();
+        let mut lengths: Vec<u64> = self.entities.iter().map(|(_, values)| values.len() as u64).collect();
+        let mut values: Vec<f64> = self.entities.iter().flat_map(|(_, values)| values).copied().collect();
+        archive.texts("series", &mut names)?;
+        archive.column("lists", &mut lists)?;
+        archive.texts("entities", &mut keys)?;
+        archive.column("lengths", &mut lengths)?;
+        archive.column("times", &mut self.times)?;
+        archive.column("values", &mut values)?;
+        if archive.is_loading() {
+            let series = names.into_iter().zip(lists);
+            self.series =
+                series.map(|(name, list)| Series { name, list: (list > 0).then_some(list as usize) }).collect();
+            let mut rest = values.into_iter();
+            let entities = keys.into_iter().zip(lengths);
+            self.entities =
+                entities.map(|(key, length)| (key, rest.by_ref().take(length as usize).collect())).collect();
+            self.unwritten = true;
+        }
+        Ok(())
     }
 
     /// Ends the values of a time; writes the file if the last writing was long enough ago.

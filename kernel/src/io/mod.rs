@@ -1,6 +1,7 @@
 //! Files: mesh input, results for ParaView and for machines.
 
 mod base64;
+pub mod checkpoint;
 pub mod control;
 pub mod dataset;
 pub mod files;

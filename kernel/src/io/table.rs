@@ -1,5 +1,6 @@
 //! Tables of numbers as text, written a whole line at a time: what a stopped run leaves can be read.
 
+use super::checkpoint::{Archive, CheckpointError};
 use std::fs::File;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -102,6 +103,14 @@ impl TableWriter {
         file.write_all((titles.join(",") + "\n").as_bytes())?;
         self.file = Some(file);
         Ok(())
+    }
+
+    /// Saves or loads how far the table goes; rows that came after a checkpoint are cut off.
+    ///
+    /// # Errors
+    /// The file is gone or shorter than it was.
+    pub fn exchange(&mut self, archive: &mut Archive) -> Result<(), CheckpointError> {
+        archive.growing_file("table", &self.path, &mut self.file)
     }
 
     /// Writes a line. The first number, which is a time, has all its digits whatever the format.

@@ -5,6 +5,7 @@
 //! indices.
 
 mod data;
+mod exchange;
 mod order;
 mod part;
 mod properties;

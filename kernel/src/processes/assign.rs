@@ -3,6 +3,7 @@
 use super::{Clock, Context, Interval, Process, SpaceTimeValue, not_finite};
 use crate::diagnostic::InputErrors;
 use crate::error::{Error, Failure};
+use crate::io::checkpoint::{Archive, CheckpointError};
 use crate::model::{Members, Model, ModelPart};
 use crate::parameters::{Key, Kind, Settings};
 use crate::registry::{Building, ProcessEntry, Registry};
@@ -318,6 +319,10 @@ impl Process for Assign {
             return Err(self.settings.error("model_part_name", message).into());
         }
         self.members = Some(members);
+        Ok(())
+    }
+
+    fn exchange_state(&mut self, _: &mut Archive) -> Result<(), CheckpointError> {
         Ok(())
     }
 

@@ -14,6 +14,7 @@ pub use value::{Interval, SpaceTimeValue, not_finite};
 
 use crate::diagnostic::InputErrors;
 use crate::error::Error;
+use crate::io::checkpoint::{Archive, CheckpointError};
 use crate::model::Model;
 use crate::parameters::Parameters;
 use crate::variables::Variable;
@@ -218,6 +219,18 @@ pub trait Process: Send {
     /// Prints.
     fn print_output(&mut self, context: &mut Context) -> Result<(), Error> {
         Ok(())
+    }
+
+    /// Saves what the process keeps from step to step to a checkpoint, or loads it from there: in a
+    /// resumed run, instead of [`execute_initialize`](Self::execute_initialize) and
+    /// [`execute_before_solution_loop`](Self::execute_before_solution_loop). Values in the model are not
+    /// its concern. Files that it writes go on where they stood. A process that keeps nothing returns
+    /// `Ok(())`; with one that does not say so, runs are refused that shall be resumed.
+    ///
+    /// # Errors
+    /// The checkpoint does not fit, or a file cannot go on.
+    fn exchange_state(&mut self, archive: &mut Archive) -> Result<(), CheckpointError> {
+        Err(CheckpointError::Unsupported(format!("the process {:?}", self.name())))
     }
 
     /// Files written so far, for the summary.

@@ -2,6 +2,7 @@
 
 use super::{Context, Process};
 use crate::error::Error;
+use crate::io::checkpoint::{Archive, CheckpointError};
 use crate::variables::Variable;
 use rayon::prelude::*;
 
@@ -20,6 +21,10 @@ pub struct ResetNodes {
 impl Process for ResetNodes {
     fn name(&self) -> &str {
         "reset_nodes"
+    }
+
+    fn exchange_state(&mut self, _: &mut Archive) -> Result<(), CheckpointError> {
+        Ok(())
     }
 
     fn execute_initialize_solution_step(&mut self, context: &mut Context) -> Result<(), Error> {

@@ -4,6 +4,7 @@ use super::StepReport;
 use crate::analysis::FAILED_STATE;
 use crate::diagnostic::InputErrors;
 use crate::error::Error;
+use crate::io::checkpoint::{Archive, CheckpointError};
 use crate::io::dataset::Dataset;
 use crate::io::json::JsonObject;
 use crate::io::vtu::{VtuOptions, write_vtu};
@@ -61,6 +62,18 @@ pub trait Solver: Send {
     #[allow(unused_variables)]
     fn before_solution_loop(&mut self, context: &mut Context) -> Result<(), Error> {
         Ok(())
+    }
+
+    /// Saves what the solver keeps from step to step to a checkpoint, its own data beside the model parts
+    /// included, or loads it from there: in a resumed run, instead of
+    /// [`before_solution_loop`](Self::before_solution_loop). What the input gives, and what is found anew
+    /// in each step, does not belong there.
+    ///
+    /// # Errors
+    /// The checkpoint does not fit. A solver without this hook refuses runs that shall be resumed.
+    #[allow(unused_variables)]
+    fn exchange_state(&mut self, model: &mut Model, archive: &mut Archive) -> Result<(), CheckpointError> {
+        Err(CheckpointError::Unsupported("the solver".into()))
     }
 
     /// Size of the step that begins at `clock.time`, in seconds.

@@ -3,6 +3,7 @@
 use crate::engine::Points;
 use crate::fields::write_cells;
 use bia_kernel::error::Error;
+use bia_kernel::io::checkpoint::{Archive, CheckpointError};
 use bia_kernel::model::Model;
 use bia_kernel::processes::{Context, Process};
 
@@ -25,6 +26,10 @@ impl CellFields {
 impl Process for CellFields {
     fn name(&self) -> &str {
         "dgmpm_cell_fields"
+    }
+
+    fn exchange_state(&mut self, _: &mut Archive) -> Result<(), CheckpointError> {
+        Ok(())
     }
 
     fn execute_before_solution_loop(&mut self, context: &mut Context) -> Result<(), Error> {

@@ -5,6 +5,7 @@ use crate::engine::Points;
 use crate::fields::energies;
 use bia_kernel::diagnostic::InputErrors;
 use bia_kernel::error::Error;
+use bia_kernel::io::checkpoint::{Archive, CheckpointError};
 use bia_kernel::io::control::OutputControl;
 use bia_kernel::model::Model;
 use bia_kernel::parameters::{Key, Kind, Range, Settings};
@@ -97,6 +98,11 @@ impl Process for Energy {
         self.row(context.model, context.clock)?;
         self.control.printed(context.clock);
         Ok(())
+    }
+
+    fn exchange_state(&mut self, archive: &mut Archive) -> Result<(), CheckpointError> {
+        self.control.exchange(archive)?;
+        archive.growing_file("table", &self.path, &mut self.file)
     }
 
     fn files(&self) -> Vec<PathBuf> {

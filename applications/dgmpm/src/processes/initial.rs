@@ -4,6 +4,7 @@ use super::{elements_of, points_of};
 use crate::engine::Points;
 use bia_kernel::diagnostic::InputErrors;
 use bia_kernel::error::Error;
+use bia_kernel::io::checkpoint::{Archive, CheckpointError};
 use bia_kernel::model::Model;
 use bia_kernel::parameters::{Key, Kind, Settings};
 use bia_kernel::processes::{Context, Process, SpaceTimeValue, not_finite};
@@ -61,6 +62,10 @@ impl Process for InitialState {
 
     fn connect(&mut self, model: &mut Model) -> Result<(), InputErrors> {
         self.elements = elements_of(model, &self.settings)?;
+        Ok(())
+    }
+
+    fn exchange_state(&mut self, _: &mut Archive) -> Result<(), CheckpointError> {
         Ok(())
     }
 

@@ -5,6 +5,7 @@ use crate::engine::Points;
 use crate::results::{dataset, field};
 use bia_kernel::diagnostic::InputErrors;
 use bia_kernel::error::Error;
+use bia_kernel::io::checkpoint::{Archive, CheckpointError};
 use bia_kernel::io::control::OutputControl;
 use bia_kernel::io::dataset::{Field, FieldData};
 use bia_kernel::model::Model;
@@ -123,6 +124,11 @@ impl Process for PointOutput {
         self.print(context.model, context.clock)?;
         self.control.printed(context.clock);
         Ok(())
+    }
+
+    fn exchange_state(&mut self, archive: &mut Archive) -> Result<(), CheckpointError> {
+        self.control.exchange(archive)?;
+        self.files.exchange(archive)
     }
 
     fn files(&self) -> Vec<PathBuf> {

@@ -12,6 +12,7 @@ mod affine;
 mod cells;
 mod chunk;
 mod courant;
+mod exchange;
 mod kinematics;
 mod kratos_faults;
 mod limits;
@@ -36,6 +37,7 @@ use crate::settings::{Basis, Discretisation, ExplicitSettings, Frame, Scheme, So
 use crate::variables::{ACCELERATION, DISPLACEMENT, NODAL_MASS, REACTION, VELOCITY};
 use bia_kernel::diagnostic::InputErrors;
 use bia_kernel::error::Error;
+use bia_kernel::io::checkpoint::{Archive, CheckpointError};
 use bia_kernel::io::json::JsonObject;
 use bia_kernel::model::{Model, ModelPart};
 use bia_kernel::processes::{Clock, Context, Location, Process, Requirements, ResetNodes, RunOptions};
@@ -287,6 +289,14 @@ impl Solver for Explicit {
         }
         tracing::info!("stable time step {:.4e} s: {}", self.limits.stable_step(), self.limits.describe());
         Ok(())
+    }
+
+    fn exchange_state(&mut self, model: &mut Model, archive: &mut Archive) -> Result<(), CheckpointError> {
+        let missing = || CheckpointError::Missing("material points".into());
+        let mut points = model.take::<MaterialPoints>().ok_or_else(missing)?;
+        let exchanged = self.exchange(&mut points, archive);
+        model.put(points);
+        exchanged
     }
 
     fn load_time(&self) -> f64 {

@@ -6,6 +6,7 @@ use crate::active::ActiveCells;
 use crate::space::Space;
 use crate::variables::DISPLACEMENT;
 use bia_kernel::error::Failure;
+use bia_kernel::io::checkpoint::{Archive, CheckpointError};
 use bia_kernel::model::ModelPart;
 use bia_kernel::solving::{ActiveDofs, NodalFrames};
 use rayon::prelude::*;
@@ -48,6 +49,15 @@ impl Nodes {
     /// Numbers the nodes of the active cells.
     pub fn renumber(&mut self, space: &Space, active: &ActiveCells, dimension: usize) {
         self.dofs = space.active_dofs(&active.cells, dimension);
+    }
+
+    /// Saves or loads what is not found anew in each step.
+    ///
+    /// # Errors
+    /// The checkpoint does not hold it.
+    pub fn exchange(&mut self, archive: &mut Archive) -> Result<(), CheckpointError> {
+        archive.column("displacement", &mut self.displacement)?;
+        archive.column("imposed velocities", &mut self.last)
     }
 
     /// Sets sums to zero and reads the fixed components. A displacement u imposed on one acts as the

@@ -8,6 +8,7 @@ use crate::points::{MaterialPoints, Scratch};
 use crate::scene::Scene;
 use crate::settings::{Basis, Discretisation, Frame};
 use bia_kernel::error::Error;
+use bia_kernel::io::checkpoint::{Archive, CheckpointError};
 use bia_kernel::model::ModelPart;
 use bia_kernel::with_shape;
 use rayon::prelude::*;
@@ -82,6 +83,19 @@ impl Search {
             scene.search(points)?;
         }
         Ok(moved)
+    }
+
+    /// Saves or loads which points may have left their cells.
+    ///
+    /// # Errors
+    /// The checkpoint does not hold them.
+    pub fn exchange(&mut self, archive: &mut Archive) -> Result<(), CheckpointError> {
+        let mut leavers: Vec<[u32; 2]> = self.leavers.iter().map(|&(block, point)| [block, point]).collect();
+        archive.column("leavers", &mut leavers)?;
+        if archive.is_loading() {
+            self.leavers = leavers.into_iter().map(|[block, point]| (block, point)).collect();
+        }
+        archive.flag("searched", &mut self.searched)
     }
 
     /// Puts the points of each block in the order of their cells if too many are out of it. Tells

@@ -1,6 +1,7 @@
 //! The implicit solver: static, quasi-static, Newmark and Bossak dynamics (spec 03).
 
 mod element;
+mod exchange;
 mod forgiving;
 mod kratos_faults;
 mod midpoint;
@@ -20,6 +21,7 @@ use crate::variables::{ACCELERATION, DISPLACEMENT, NODAL_MASS, PRESSURE, REACTIO
 use bia_constitutive::Deformation;
 use bia_kernel::diagnostic::InputErrors;
 use bia_kernel::error::Error;
+use bia_kernel::io::checkpoint::{Archive, CheckpointError};
 use bia_kernel::io::json::JsonObject;
 use bia_kernel::linalg::{LinearSolver, solver};
 use bia_kernel::model::{Model, ModelPart};
@@ -300,6 +302,14 @@ impl Solver for Implicit {
             self.previous = grid.node_fields.vector_mut(&DISPLACEMENT, count).to_vec();
         }
         Ok(())
+    }
+
+    fn exchange_state(&mut self, model: &mut Model, archive: &mut Archive) -> Result<(), CheckpointError> {
+        let missing = || CheckpointError::Missing("material points".into());
+        let mut points = model.take::<MaterialPoints>().ok_or_else(missing)?;
+        let exchanged = self.exchange(&mut points, archive);
+        model.put(points);
+        exchanged
     }
 
     fn load_time(&self) -> f64 {

@@ -166,7 +166,7 @@ impl Block {
         ]
     }
 
-    fn columns_mut(&mut self) -> [&mut Column; 14] {
+    pub(super) fn columns_mut(&mut self) -> [&mut Column; 14] {
         [
             &mut self.local,
             &mut self.position,

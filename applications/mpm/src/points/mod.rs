@@ -3,6 +3,7 @@
 mod block;
 pub mod carriers;
 pub mod conditions;
+mod exchange;
 pub mod fields;
 mod generate;
 mod layout;

@@ -3,6 +3,7 @@
 use crate::points::MaterialPoints;
 use bia_kernel::diagnostic::InputErrors;
 use bia_kernel::error::Error;
+use bia_kernel::io::checkpoint::{Archive, CheckpointError};
 use bia_kernel::model::Model;
 use bia_kernel::parameters::{Key, Kind, Range, Settings};
 use bia_kernel::processes::{Context, Process, Requirements};
@@ -67,6 +68,10 @@ impl Process for AssignToPoints {
             Quantity::Gravity => "assign_gravity_to_material_point",
             Quantity::Velocity => "assign_initial_velocity_to_material_point",
         }
+    }
+
+    fn exchange_state(&mut self, _: &mut Archive) -> Result<(), CheckpointError> {
+        Ok(())
     }
 
     fn connect(&mut self, model: &mut Model) -> Result<(), InputErrors> {

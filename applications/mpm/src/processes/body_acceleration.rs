@@ -7,6 +7,7 @@ use crate::points::fields::BODY_ACCELERATION;
 use crate::points::{Block, MaterialPoints};
 use bia_kernel::diagnostic::InputErrors;
 use bia_kernel::error::{Error, Failure};
+use bia_kernel::io::checkpoint::{Archive, CheckpointError};
 use bia_kernel::model::Model;
 use bia_kernel::parameters::{Key, Kind, Settings};
 use bia_kernel::processes::{Context, Interval, Location, Process, Requirements, SpaceTimeValue, Wanted};
@@ -142,6 +143,10 @@ impl Process for BodyAcceleration {
         "assign_body_acceleration_to_material_point"
     }
 
+    fn exchange_state(&mut self, _: &mut Archive) -> Result<(), CheckpointError> {
+        Ok(())
+    }
+
     fn connect(&mut self, model: &mut Model) -> Result<(), InputErrors> {
         self.first = model.extension::<Cleared>().is_none();
         model.extend(Cleared);
@@ -175,6 +180,10 @@ struct InitialVelocity(Values);
 impl Process for InitialVelocity {
     fn name(&self) -> &str {
         "assign_initial_velocity_field_to_material_point"
+    }
+
+    fn exchange_state(&mut self, _: &mut Archive) -> Result<(), CheckpointError> {
+        Ok(())
     }
 
     fn connect(&mut self, model: &mut Model) -> Result<(), InputErrors> {

@@ -5,6 +5,7 @@ use crate::points::MaterialPoints;
 use crate::points::fields::total_energies;
 use bia_kernel::diagnostic::InputErrors;
 use bia_kernel::error::Error;
+use bia_kernel::io::checkpoint::{Archive, CheckpointError};
 use bia_kernel::io::control::OutputControl;
 use bia_kernel::io::table::NumberFormat;
 use bia_kernel::model::Model;
@@ -122,6 +123,11 @@ impl Process for Energy {
         self.row(context)?;
         self.control.printed(context.clock);
         Ok(())
+    }
+
+    fn exchange_state(&mut self, archive: &mut Archive) -> Result<(), CheckpointError> {
+        self.control.exchange(archive)?;
+        archive.growing_file("table", &self.path, &mut self.file)
     }
 
     fn files(&self) -> Vec<PathBuf> {

@@ -10,6 +10,7 @@ use crate::points::{Block, MaterialPoints, Selection};
 use bia_kernel::diagnostic::InputErrors;
 use bia_kernel::error::Error;
 use bia_kernel::geometry::CellLocator;
+use bia_kernel::io::checkpoint::{Archive, CheckpointError};
 use bia_kernel::model::{Model, ModelPart};
 use bia_kernel::parameters::{Key, Kind, Settings};
 use bia_kernel::processes::quantity::Quantity;
@@ -193,6 +194,14 @@ impl Process for Extrapolation {
             let (variable, place) = ("MP_DISPLACEMENT".into(), self.settings.parameters().clone());
             requirements.variables.push(Wanted { location: Location::Points, variable, place });
         }
+    }
+
+    fn exchange_state(&mut self, archive: &mut Archive) -> Result<(), CheckpointError> {
+        let (mut is_done, mut step) = (self.done.is_some(), self.done.unwrap_or_default());
+        archive.flag("done", &mut is_done)?;
+        archive.count("step", &mut step)?;
+        self.done = is_done.then_some(step);
+        Ok(())
     }
 
     fn execute_initialize(&mut self, context: &mut Context) -> Result<(), Error> {

@@ -5,6 +5,7 @@ use crate::points::MaterialPoints;
 use crate::points::conditions::{Request, Requests};
 use bia_kernel::diagnostic::InputErrors;
 use bia_kernel::error::Error;
+use bia_kernel::io::checkpoint::{Archive, CheckpointError};
 use bia_kernel::model::Model;
 use bia_kernel::parameters::{Key, Kind, Settings};
 use bia_kernel::processes::{Context, Interval, Process, SpaceTimeValue, not_finite};
@@ -81,6 +82,10 @@ fn build(building: Building) -> Result<Box<dyn Process>, InputErrors> {
 impl Process for Neumann {
     fn name(&self) -> &str {
         "apply_mpm_particle_neumann_condition"
+    }
+
+    fn exchange_state(&mut self, _: &mut Archive) -> Result<(), CheckpointError> {
+        Ok(())
     }
 
     fn connect(&mut self, model: &mut Model) -> Result<(), InputErrors> {

@@ -7,6 +7,7 @@
 use crate::grid::GRID;
 use crate::variables::{DISPLACEMENT, NORMAL};
 use bia_kernel::diagnostic::InputErrors;
+use bia_kernel::io::checkpoint::{Archive, CheckpointError};
 use bia_kernel::model::{Model, ModelPart};
 use bia_kernel::parameters::{Key, Kind, Range, Settings};
 use bia_kernel::processes::{Process, Requirements};
@@ -87,6 +88,10 @@ impl Slip {
 impl Process for Slip {
     fn name(&self) -> &str {
         "apply_mpm_slip_boundary"
+    }
+
+    fn exchange_state(&mut self, _: &mut Archive) -> Result<(), CheckpointError> {
+        Ok(())
     }
 
     fn connect(&mut self, model: &mut Model) -> Result<(), InputErrors> {

@@ -7,6 +7,7 @@ use crate::points::fields::{CONDITION_VARIABLES, append, append_condition};
 use crate::points::{MaterialPoints, Selection};
 use bia_kernel::diagnostic::InputErrors;
 use bia_kernel::error::Error;
+use bia_kernel::io::checkpoint::{Archive, CheckpointError};
 use bia_kernel::io::control::OutputControl;
 use bia_kernel::io::dataset::{Dataset, Field, FieldData};
 use bia_kernel::model::Model;
@@ -210,6 +211,11 @@ impl Process for PointOutput {
         self.print(context.model, context.clock)?;
         self.control.printed(context.clock);
         Ok(())
+    }
+
+    fn exchange_state(&mut self, archive: &mut Archive) -> Result<(), CheckpointError> {
+        self.control.exchange(archive)?;
+        self.files.exchange(archive)
     }
 
     fn files(&self) -> Vec<PathBuf> {

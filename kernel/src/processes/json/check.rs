@@ -3,6 +3,7 @@
 use super::{Countdown, Entity, EntitySource, SHARED, other_list, refuse_flags};
 use crate::diagnostic::InputErrors;
 use crate::error::Error;
+use crate::io::checkpoint::{Archive, CheckpointError};
 use crate::io::history::{History, Lookup};
 use crate::model::Model;
 use crate::parameters::{Key, Kind, Range};
@@ -199,6 +200,12 @@ impl<S: EntitySource> Process for JsonCheck<S> {
             self.compared += self.compare(context.model, context.clock)?;
         }
         Ok(())
+    }
+
+    fn exchange_state(&mut self, archive: &mut Archive) -> Result<(), CheckpointError> {
+        self.countdown.exchange(archive)?;
+        archive.count("due", &mut self.due)?;
+        archive.count("compared", &mut self.compared)
     }
 
     /// A check that compared nothing has not passed.

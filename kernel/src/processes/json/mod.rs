@@ -14,6 +14,7 @@ use super::quantity::Quantity;
 use super::{Clock, Location};
 use crate::diagnostic::InputErrors;
 use crate::error::Error;
+use crate::io::checkpoint::{Archive, CheckpointError};
 use crate::model::Model;
 use crate::parameters::{Key, Kind, Range, Settings};
 use crate::registry::Registry;
@@ -122,6 +123,15 @@ struct Countdown {
 impl Countdown {
     fn new(settings: &Settings) -> Self {
         Self { every: settings.number("time_frequency"), passed: 0.0, last: None }
+    }
+
+    fn exchange(&mut self, archive: &mut Archive) -> Result<(), CheckpointError> {
+        let (mut has_acted, mut last) = (self.last.is_some(), self.last.unwrap_or_default());
+        archive.number("passed", &mut self.passed)?;
+        archive.flag("has a last time", &mut has_acted)?;
+        archive.number("last time", &mut last)?;
+        self.last = has_acted.then_some(last);
+        Ok(())
     }
 
     /// To be called once a step.

@@ -3,6 +3,7 @@
 use super::{Countdown, EntitySource, SHARED, other_list, refuse_flags};
 use crate::diagnostic::InputErrors;
 use crate::error::Error;
+use crate::io::checkpoint::{Archive, CheckpointError};
 use crate::io::history::{HistoryWriter, Series};
 use crate::model::Model;
 use crate::parameters::{Key, Kind};
@@ -119,6 +120,17 @@ impl<S: EntitySource> Process for JsonOutput<S> {
     fn execute_finalize(&mut self, _: &mut Context) -> Result<(), Error> {
         let finished = self.writer.as_mut().map_or(Ok(()), HistoryWriter::finish);
         finished.map_err(|source| self.failed(source))
+    }
+
+    fn exchange_state(&mut self, archive: &mut Archive) -> Result<(), CheckpointError> {
+        self.countdown.exchange(archive)?;
+        let mut is_begun = self.writer.is_some();
+        archive.flag("begun", &mut is_begun)?;
+        if is_begun {
+            let begin = || HistoryWriter::new(self.path.clone(), Vec::new());
+            self.writer.get_or_insert_with(begin).exchange(archive)?;
+        }
+        Ok(())
     }
 
     fn files(&self) -> Vec<PathBuf> {

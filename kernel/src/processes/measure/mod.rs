@@ -13,6 +13,7 @@ pub use probe::positions;
 use super::{Clock, Context, Interval, Process, Requirements};
 use crate::diagnostic::InputErrors;
 use crate::error::Error;
+use crate::io::checkpoint::{Archive, CheckpointError};
 use crate::io::control::OutputControl;
 use crate::io::table::{Heading, NumberFormat, TableWriter};
 use crate::model::Model;
@@ -64,6 +65,13 @@ pub trait Measurement: Send {
     fn check(&mut self, model: &Model) -> Result<(), InputErrors> {
         Ok(())
     }
+
+    /// What it keeps from one measurement to the next, as
+    /// [`Process::exchange_state`](super::Process::exchange_state).
+    ///
+    /// # Errors
+    /// The checkpoint does not fit.
+    fn exchange_state(&mut self, archive: &mut Archive) -> Result<(), CheckpointError>;
 
     /// The columns, once all that is measured exists, before the run.
     fn headings(&mut self, model: &Model) -> Vec<Heading>;
@@ -224,6 +232,16 @@ impl<M: Measurement> Process for TableOutput<M> {
             Moments::Times(times) => times.retain(|time| !has_come(*time, context.clock)),
         }
         Ok(())
+    }
+
+    fn exchange_state(&mut self, archive: &mut Archive) -> Result<(), CheckpointError> {
+        match &mut self.moments {
+            Moments::Control(control) => control.exchange(archive)?,
+            Moments::Times(times) => archive.column("times", times)?,
+        }
+        archive.count("width", &mut self.width)?;
+        self.measurement.exchange_state(archive)?;
+        self.table.exchange(archive)
     }
 
     fn files(&self) -> Vec<PathBuf> {

@@ -8,6 +8,7 @@
 use super::{Measurement, TABLE, TableOutput};
 use crate::diagnostic::InputErrors;
 use crate::geometry::Shape;
+use crate::io::checkpoint::{Archive, CheckpointError};
 use crate::io::table::Heading;
 use crate::model::{Members, Model, ModelPart};
 use crate::parameters::{Key, Kind, Settings};
@@ -148,6 +149,10 @@ impl Measurement for Oscillation {
             let (variable, place) = (mask.name.into(), self.settings.parameters().clone());
             requirements.variables.push(Wanted { location: Location::Nodes, variable, place });
         }
+    }
+
+    fn exchange_state(&mut self, _: &mut Archive) -> Result<(), CheckpointError> {
+        Ok(())
     }
 
     fn headings(&mut self, _: &Model) -> Vec<Heading> {

@@ -3,6 +3,7 @@
 use super::{Measurement, TABLE, TableOutput};
 use crate::diagnostic::InputErrors;
 use crate::geometry::CellLocator;
+use crate::io::checkpoint::{Archive, CheckpointError};
 use crate::io::table::Heading;
 use crate::model::{Model, ModelPart};
 use crate::parameters::{Key, Kind, Parameters, Range, Settings};
@@ -179,6 +180,10 @@ impl Measurement for Probe {
 
     fn require(&self, requirements: &mut Requirements) {
         Quantity::require(&self.quantities, Location::Nodes, requirements);
+    }
+
+    fn exchange_state(&mut self, _: &mut Archive) -> Result<(), CheckpointError> {
+        Ok(())
     }
 
     fn headings(&mut self, model: &Model) -> Vec<Heading> {

@@ -2,6 +2,7 @@
 
 use super::{Measurement, TABLE, TableOutput};
 use crate::diagnostic::InputErrors;
+use crate::io::checkpoint::{Archive, CheckpointError};
 use crate::io::table::Heading;
 use crate::model::{Members, Model};
 use crate::parameters::{Key, Kind, Settings};
@@ -73,6 +74,10 @@ impl Measurement for Resultant {
 
     fn require(&self, requirements: &mut Requirements) {
         Quantity::require(&self.quantities, Location::Nodes, requirements);
+    }
+
+    fn exchange_state(&mut self, _: &mut Archive) -> Result<(), CheckpointError> {
+        Ok(())
     }
 
     fn headings(&mut self, model: &Model) -> Vec<Heading> {

@@ -3,7 +3,9 @@
 use super::super::{Clock, RunOptions};
 use crate::diagnostic::InputErrors;
 use crate::error::Error;
+use crate::io::checkpoint::{Archive, CheckpointError};
 use crate::io::dataset::Dataset;
+use crate::io::files::remove_unfinished;
 use crate::io::pvd::PvdSeries;
 use crate::io::vtk_legacy::{Encoding, write_legacy};
 use crate::io::vtu::{VtuOptions, write_vtu};
@@ -178,6 +180,41 @@ impl VtkFiles {
             Ok(())
         };
         work().map_err(|source| Error::Write { path: self.folder.clone(), source })
+    }
+
+    /// Saves or loads which files there are. Series go on after the files of the checkpoint; those that
+    /// came later are written again under the same names.
+    ///
+    /// # Errors
+    /// The file of a series is gone or not whole.
+    pub fn exchange(&mut self, archive: &mut Archive) -> Result<(), CheckpointError> {
+        let mut series: Vec<String> = self.series.keys().cloned().collect();
+        let mut names: Vec<String> = self.last.keys().cloned().collect();
+        let mut times: Vec<f64> = self.last.values().copied().collect();
+        let mut written: Vec<String> = self.written.iter().map(|path| path.to_string_lossy().into_owned()).collect();
+        archive.texts("series", &mut series)?;
+        archive.texts("names", &mut names)?;
+        archive.column("times", &mut times)?;
+        archive.texts("written", &mut written)?;
+        if archive.is_loading() {
+            self.last = names.into_iter().zip(times).collect();
+            self.written = written.into_iter().map(PathBuf::from).collect();
+            for name in series {
+                let path = self.folder.join(format!("{name}.pvd"));
+                let until = self.last.get(&name).copied().unwrap_or(f64::NEG_INFINITY);
+                let resumed = PvdSeries::resume(&path, until);
+                let resumed = resumed.map_err(|source| CheckpointError::File { path, source })?;
+                self.series.insert(name, resumed);
+            }
+            self.remove_unfinished();
+        }
+        Ok(())
+    }
+
+    /// Removes what a killed run did not finish, of these files alone where the folder holds others.
+    fn remove_unfinished(&self) {
+        let begins = |file: &str| self.last.keys().any(|name| file.starts_with(name.as_str()));
+        remove_unfinished(&self.folder, |file| self.own_folder || begins(file));
     }
 
     /// Step or time as it stands in the names of files. A time has as many digits more than the

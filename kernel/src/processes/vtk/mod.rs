@@ -10,6 +10,7 @@ use super::quantity::Quantity;
 use super::{Context, Location, Process, Requirements};
 use crate::diagnostic::InputErrors;
 use crate::error::Error;
+use crate::io::checkpoint::{Archive, CheckpointError};
 use crate::io::control::OutputControl;
 use crate::model::{Members, Model};
 use crate::parameters::{Key, Kind, Settings};
@@ -165,6 +166,11 @@ impl Process for MeshOutput {
         }
         self.control.printed(context.clock);
         Ok(())
+    }
+
+    fn exchange_state(&mut self, archive: &mut Archive) -> Result<(), CheckpointError> {
+        self.control.exchange(archive)?;
+        self.files.exchange(archive)
     }
 
     fn files(&self) -> Vec<PathBuf> {

@@ -24,6 +24,7 @@ use crate::settings::{MixedSettings, Regime, SolverSettings, Stabilization, Vari
 use crate::space::Space;
 use bia_constitutive::Shear;
 use bia_kernel::diagnostic::InputErrors;
+use bia_kernel::io::checkpoint::{Archive, CheckpointError};
 use bia_kernel::solving::{ActiveDofs, Field, Reference, System};
 use constants::Constants;
 use element::Terms;
@@ -137,6 +138,14 @@ impl Mixed {
     /// Says that a step is done.
     pub fn has_stepped(&mut self) {
         self.starts = false;
+    }
+
+    /// Saves or loads whether the first step is still to come; start values come from points and nodes.
+    ///
+    /// # Errors
+    /// The checkpoint does not hold it.
+    pub fn exchange(&mut self, archive: &mut Archive) -> Result<(), CheckpointError> {
+        archive.flag("the first step is to come", &mut self.starts)
     }
 
     /// Pressures at the end of the last step, by number of the node.

@@ -5,6 +5,7 @@ use crate::points::MaterialPoints;
 use crate::points::conditions::PointConditions;
 use crate::points::fields::append_condition;
 use bia_kernel::diagnostic::InputErrors;
+use bia_kernel::io::checkpoint::{Archive, CheckpointError};
 use bia_kernel::io::table::Heading;
 use bia_kernel::model::Model;
 use bia_kernel::parameters::{Key, Kind, Settings};
@@ -78,6 +79,10 @@ impl Measurement for ConditionProbe {
 
     fn require(&self, requirements: &mut Requirements) {
         Quantity::require(&self.quantities, Location::PointConditions, requirements);
+    }
+
+    fn exchange_state(&mut self, _: &mut Archive) -> Result<(), CheckpointError> {
+        Ok(())
     }
 
     fn headings(&mut self, _: &Model) -> Vec<Heading> {

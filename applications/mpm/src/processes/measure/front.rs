@@ -7,6 +7,7 @@
 use crate::points::MaterialPoints;
 use crate::processes::acceleration::check_part;
 use bia_kernel::diagnostic::InputErrors;
+use bia_kernel::io::checkpoint::{Archive, CheckpointError};
 use bia_kernel::io::table::Heading;
 use bia_kernel::model::Model;
 use bia_kernel::parameters::{Key, Kind, Parameters, Settings};
@@ -124,6 +125,10 @@ impl Measurement for Front {
     }
 
     fn require(&self, _: &mut Requirements) {}
+
+    fn exchange_state(&mut self, _: &mut Archive) -> Result<(), CheckpointError> {
+        Ok(())
+    }
 
     fn headings(&mut self, _: &Model) -> Vec<Heading> {
         self.quantiles.iter().map(|share| Heading::new(format!("QUANTILE_{share:?}"), "m")).collect()

@@ -5,6 +5,7 @@ use crate::points::MaterialPoints;
 use crate::points::fields::append;
 use crate::processes::acceleration::check_part;
 use bia_kernel::diagnostic::InputErrors;
+use bia_kernel::io::checkpoint::{Archive, CheckpointError};
 use bia_kernel::io::table::Heading;
 use bia_kernel::model::Model;
 use bia_kernel::parameters::{Key, Kind, Settings};
@@ -130,6 +131,10 @@ impl Measurement for PointProbe {
 
     fn require(&self, requirements: &mut Requirements) {
         Quantity::require(&self.quantities, Location::Points, requirements);
+    }
+
+    fn exchange_state(&mut self, _: &mut Archive) -> Result<(), CheckpointError> {
+        Ok(())
     }
 
     fn headings(&mut self, model: &Model) -> Vec<Heading> {

@@ -5,6 +5,7 @@ use crate::grid::GRID;
 use crate::points::{Block, MaterialPoints};
 use crate::processes::acceleration::check_part;
 use bia_kernel::diagnostic::InputErrors;
+use bia_kernel::io::checkpoint::{Archive, CheckpointError};
 use bia_kernel::io::table::Heading;
 use bia_kernel::model::Model;
 use bia_kernel::parameters::{Key, Kind, Parameters, Settings};
@@ -166,6 +167,10 @@ impl Measurement for Totals {
             let place = self.settings.parameters().clone();
             requirements.variables.push(Wanted { location: Location::Points, variable: variable.into(), place });
         }
+    }
+
+    fn exchange_state(&mut self, _: &mut Archive) -> Result<(), CheckpointError> {
+        Ok(())
     }
 
     fn headings(&mut self, _: &Model) -> Vec<Heading> {

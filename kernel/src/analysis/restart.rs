@@ -1,0 +1,249 @@
+//! Checkpoints of a run: when they are written, which one is taken up, and whether it fits.
+
+use crate::diagnostic::{Diagnostic, InputErrors, Place};
+use crate::error::Error;
+use crate::io::checkpoint::{Archive, CheckpointError, Contents, file};
+use crate::io::files::remove_unfinished;
+use crate::parameters::{Key, Kind, Parameters, Range, Settings};
+use crate::processes::Clock;
+use serde_json::{Map, Value, json};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// Member of the project with the settings, and folder of the checkpoints in that of the results.
+pub(super) const NAME: &str = "restart";
+
+/// Keys of `restart`.
+pub(super) const RESTART: &[Key] = &[
+    Key::new("every_steps", Kind::Integer { min: 0 }, "0", "steps between checkpoints; 0: steps do not count"),
+    Key::optional("every_seconds", Kind::Number(Range::POSITIVE), "wall time between checkpoints [s]"),
+    Key::new("keep", Kind::Integer { min: 1 }, "2", "checkpoints that are kept, the newest ones"),
+];
+
+/// Beginning and end of the names of checkpoints, around the step.
+const STEM: &str = "step_";
+const EXTENSION: &str = "checkpoint";
+
+/// Members of the project that say where inputs stand whose content matters.
+const INPUT_KEYS: &[&str] = &["materials_filename", "filename", "input_filename", "input_file_name"];
+
+/// Writes checkpoints.
+pub(super) struct Restart {
+    folder: PathBuf,
+    every_steps: usize,
+    every: Option<Duration>,
+    keep: usize,
+    last: Instant,
+    /// Checkpoints of this run, the oldest first.
+    pub files: Vec<PathBuf>,
+    /// Time that writing took.
+    pub cost: Duration,
+    /// Bytes of the last one.
+    pub bytes: u64,
+}
+
+impl Restart {
+    /// As the settings demand.
+    pub fn new(settings: &Settings, output: &Path) -> Self {
+        Self {
+            folder: output.join(NAME),
+            every_steps: settings.integer("every_steps") as usize,
+            every: settings.given("every_seconds").then(|| Duration::from_secs_f64(settings.number("every_seconds"))),
+            keep: settings.integer("keep") as usize,
+            last: Instant::now(),
+            files: Vec::new(),
+            cost: Duration::ZERO,
+            bytes: 0,
+        }
+    }
+
+    /// Removes checkpoints of earlier runs, which must not be taken for this one's.
+    ///
+    /// # Errors
+    /// Those of the file system.
+    pub fn clear(&mut self) -> Result<(), CheckpointError> {
+        for path in checkpoints(&self.folder) {
+            std::fs::remove_file(&path).map_err(|source| CheckpointError::File { path, source })?;
+        }
+        self.files.clear();
+        remove_unfinished(&self.folder, is_checkpoint);
+        // Fails, as it should, where it holds what others put there.
+        let _ = std::fs::remove_dir(&self.folder);
+        Ok(())
+    }
+
+    /// Takes over what an interrupted run left.
+    pub fn adopt(&mut self) {
+        self.files = checkpoints(&self.folder);
+        self.files.reverse();
+        remove_unfinished(&self.folder, is_checkpoint);
+        self.last = Instant::now();
+    }
+
+    /// Whether a checkpoint is due after this step.
+    pub fn is_due(&self, clock: &Clock) -> bool {
+        let by_steps = self.every_steps > 0 && clock.step.is_multiple_of(self.every_steps);
+        by_steps || self.every.is_some_and(|every| self.last.elapsed() >= every)
+    }
+
+    /// Writes a checkpoint and removes those that are too many.
+    ///
+    /// # Errors
+    /// Those of the file system, and of components that cannot be saved.
+    pub fn save(
+        &mut self,
+        clock: &Clock,
+        identity: &Value,
+        exchange: &mut dyn FnMut(&mut Archive) -> Result<(), CheckpointError>,
+    ) -> Result<(), CheckpointError> {
+        let begin = Instant::now();
+        let folder = &self.folder;
+        let failed = |source| CheckpointError::File { path: folder.clone(), source };
+        std::fs::create_dir_all(folder).map_err(failed)?;
+        let path = folder.join(format!("{STEM}{:010}.{EXTENSION}", clock.step));
+        let mut head = Map::new();
+        head.insert("bia_version".into(), env!("CARGO_PKG_VERSION").into());
+        head.insert("step".into(), clock.step.into());
+        head.insert("time".into(), clock.time.into());
+        head.insert("identity".into(), identity.clone());
+        self.bytes = file::write(&path, head, exchange)?;
+        self.files.retain(|other| *other != path);
+        self.files.push(path);
+        while self.files.len() > self.keep {
+            // A file that stays is no fault of the run.
+            let _ = std::fs::remove_file(self.files.remove(0));
+        }
+        self.last = Instant::now();
+        self.cost += begin.elapsed();
+        Ok(())
+    }
+}
+
+/// Whether a file of this name is a checkpoint.
+fn is_checkpoint(name: &str) -> bool {
+    name.starts_with(STEM) && name.rsplit_once('.').is_some_and(|(_, extension)| extension == EXTENSION)
+}
+
+/// The checkpoints of a folder, the newest first.
+fn checkpoints(folder: &Path) -> Vec<PathBuf> {
+    let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
+    let is_ours = |path: &PathBuf| path.file_name().and_then(|name| name.to_str()).is_some_and(is_checkpoint);
+    let mut found: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).filter(is_ours).collect();
+    found.sort();
+    found.reverse();
+    found
+}
+
+/// The newest whole checkpoint of the results' folder.
+///
+/// # Errors
+/// There is none, or it is of another project.
+pub(super) fn newest(output: &Path, identity: &Value) -> Result<(PathBuf, Contents), Error> {
+    let folder = output.join(NAME);
+    let found = checkpoints(&folder);
+    for path in &found {
+        match file::read(path) {
+            Ok(contents) => {
+                check_identity(path, &contents, identity)?;
+                return Ok((path.clone(), contents));
+            }
+            Err(error) => tracing::warn!("{error}; an older one is looked for"),
+        }
+    }
+    let message = match found.len() {
+        0 => "there is no checkpoint to resume from".to_string(),
+        count => format!("none of the {count} checkpoints is whole"),
+    };
+    let help = "start anew, without --resume; \"restart\": {\"every_seconds\": 600} in the project writes checkpoints";
+    Err(Diagnostic::error(Place::file(&folder), message).help(help).into())
+}
+
+fn check_identity(path: &Path, contents: &Contents, identity: &Value) -> Result<(), InputErrors> {
+    let stored = contents.head.get("identity").unwrap_or(&Value::Null);
+    let version = contents.head.get("bia_version").and_then(Value::as_str).unwrap_or("unknown");
+    if version != env!("CARGO_PKG_VERSION") {
+        let own = env!("CARGO_PKG_VERSION");
+        tracing::warn!("{} was written by Bia {version}, this is {own}: bits may differ", path.display());
+    }
+    let Some((pointer, before, now)) = difference("", stored, identity) else { return Ok(()) };
+    let message = format!("was written by another project: {pointer} was {before}, and is now {now}");
+    let help = "restore what was changed, or start anew, without --resume";
+    Err(Diagnostic::error(Place::file(path), message).help(help).into())
+}
+
+/// The first place at which two values differ, with what stands there.
+fn difference(pointer: &str, before: &Value, now: &Value) -> Option<(String, String, String)> {
+    if before == now {
+        return None;
+    }
+    let inner = match (before, now) {
+        (Value::Object(a), Value::Object(b)) => {
+            let keys = a.keys().chain(b.keys().filter(|key| !a.contains_key(*key)));
+            let at = |map: &Map<String, Value>, key: &String| map.get(key).cloned().unwrap_or(Value::Null);
+            keys.into_iter().find_map(|key| difference(&format!("{pointer}/{key}"), &at(a, key), &at(b, key)))
+        }
+        (Value::Array(a), Value::Array(b)) if a.len() == b.len() => {
+            let pairs = a.iter().zip(b).enumerate();
+            pairs.into_iter().find_map(|(i, (a, b))| difference(&format!("{pointer}/{i}"), a, b))
+        }
+        _ => None,
+    };
+    let shown = |value: &Value| {
+        let text = value.to_string();
+        if text.chars().count() > 60 { format!("{}…", text.chars().take(60).collect::<String>()) } else { text }
+    };
+    Some(inner.unwrap_or_else(|| (pointer.to_string(), shown(before), shown(now))))
+}
+
+/// What a run must have in common with the one that it goes on with.
+pub(super) fn identity(project: &Parameters, mesh_sum: u32, kratos_exact: bool, record: Value) -> Value {
+    let mut root = project.value().clone();
+    if let Some(members) = root.as_object_mut() {
+        // How often checkpoints are written changes nothing.
+        members.retain(|key, _| key != NAME && key != "$schema");
+    }
+    let folder = project.document().path().parent().unwrap_or_else(|| Path::new(""));
+    let mut files = Map::new();
+    add_inputs(folder, &root, &mut files);
+    json!({
+        "project": root, "files": files, "check sum of the meshes": mesh_sum, "kratos_exact": kratos_exact,
+        "record": record,
+    })
+}
+
+/// Check sums of the files that the project names as inputs.
+fn add_inputs(folder: &Path, value: &Value, files: &mut Map<String, Value>) {
+    match value {
+        Value::Object(members) => {
+            for (key, value) in members {
+                match value {
+                    Value::String(name) if INPUT_KEYS.contains(&key.as_str()) => {
+                        let names = [name.clone(), format!("{name}.mdpa")];
+                        let read = |name: String| Some((std::fs::read(folder.join(&name)).ok()?, name));
+                        if let Some((bytes, name)) = names.into_iter().find_map(read) {
+                            let sum = format!("CRC-32 {:08x}, {} bytes", crc32fast::hash(&bytes), bytes.len());
+                            files.insert(name, sum.into());
+                        }
+                    }
+                    _ => add_inputs(folder, value, files),
+                }
+            }
+        }
+        Value::Array(list) => list.iter().for_each(|value| add_inputs(folder, value, files)),
+        _ => {}
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn differences_are_named_with_both_values() {
+        let (a, b) = (json!({"x": {"y": [1, {"z": 2}]}}), json!({"x": {"y": [1, {"z": 3}]}}));
+        assert_eq!(difference("", &a, &a), None);
+        assert_eq!(difference("", &a, &b), Some(("/x/y/1/z".into(), "2".into(), "3".into())));
+        let more = difference("", &json!({"a": 1}), &json!({"a": 1, "b": "new"}));
+        assert_eq!(more, Some(("/b".into(), "null".into(), "\"new\"".into())));
+    }
+}
