@@ -2,6 +2,10 @@
 
 use super::common::{Cell, Mesh, Scene, gravity, material};
 use super::trial::{folder, outputs_of_points, results, run, run_until, succeed};
+use bia_kernel::analysis::Analysis;
+use bia_kernel::parameters::Document;
+use bia_kernel::processes::{Process, RunOptions};
+use bia_kernel::registry::{ProcessEntry, Registry};
 use serde_json::{Value, json};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -125,4 +129,50 @@ fn a_table_that_was_shortened_is_refused() {
     let (code, told) = run(folder.path(), &["--resume"]);
     assert_eq!(code, Some(2), "{told}");
     assert!(told.contains("energy.dat") && told.contains("holds 1 bytes"), "{told}");
+}
+
+/// A process from outside that does not say what it keeps.
+struct Silent;
+
+impl Process for Silent {
+    fn name(&self) -> &str {
+        "silent"
+    }
+}
+
+const SILENT: ProcessEntry = ProcessEntry {
+    name: "silent_process",
+    aliases: &[],
+    application: None,
+    keys: &[],
+    help: "says nothing",
+    build: |_| Ok(Box::new(Silent)),
+};
+
+/// Told before the first step, and before a file is written.
+#[test]
+fn a_process_that_cannot_be_saved_is_refused() {
+    let silent = super::common::process("silent_process", json!({}));
+    let mut registry = Registry::with_kernel();
+    bia_mpm::register(&mut registry);
+    registry.process(SILENT);
+    for restart in [restart(), None] {
+        let asks = restart.is_some();
+        let mut outputs = outputs_of_points(3);
+        outputs.push(silent.clone());
+        let folder = folder(&scene, &outputs, restart);
+        let out = folder.path().join("out");
+        let options = RunOptions { folder: folder.path().into(), output: out.clone(), ..RunOptions::default() };
+        let document = Document::read(&folder.path().join("ProjectParameters.json")).unwrap();
+        let mut analysis = Analysis::prepare(document, &registry, options, false).map_err(|e| e.to_string()).unwrap();
+        let result = analysis.run(&mut (), None).map(|_| ()).map_err(|error| error.to_string());
+        match asks {
+            true => {
+                let error = result.unwrap_err();
+                assert!(error.contains("the process \"silent\" does not say what it keeps"), "{error}");
+                assert_eq!(fs::read_dir(&out).unwrap().count(), 0);
+            }
+            false => result.unwrap(),
+        }
+    }
 }
