@@ -18,6 +18,7 @@ use crate::io::checkpoint::{Archive, CheckpointError};
 use crate::model::Model;
 use crate::parameters::Parameters;
 use crate::variables::Variable;
+use serde_json::{Map, Value};
 use std::path::{Path, PathBuf};
 
 /// Step and time of the analysis.
@@ -147,6 +148,26 @@ impl Requirements {
     }
 }
 
+/// What processes have found, for the summary of a run (`--summary`).
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Results {
+    /// Errors by label.
+    pub errors: Map<String, Value>,
+    /// Measured values: by table, column, and `first`, `last`, `smallest` or `largest`.
+    pub values: Map<String, Value>,
+}
+
+impl Results {
+    /// Adds the values of a table, by the name of its file without the extension.
+    pub fn add_table(&mut self, path: &Path, extremes: &measure::Extremes) {
+        let name = path.file_stem().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        let values = extremes.values();
+        if !values.is_empty() {
+            self.values.insert(name, values.into());
+        }
+    }
+}
+
 /// A process. Every hook does nothing by default; the analysis calls them in Kratos's order.
 #[allow(unused_variables)]
 pub trait Process: Send {
@@ -232,6 +253,9 @@ pub trait Process: Send {
     fn exchange_state(&mut self, archive: &mut Archive) -> Result<(), CheckpointError> {
         Err(CheckpointError::Unsupported(format!("the process {:?}", self.name())))
     }
+
+    /// Adds what the process has found to the summary of the run.
+    fn results(&self, results: &mut Results) {}
 
     /// Files written so far, for the summary.
     fn files(&self) -> Vec<PathBuf> {

@@ -4,13 +4,15 @@
 //! A [`Measurement`] says what is measured; [`TableOutput`] makes a process of it, with the keys that all of
 //! them share ([`TABLE`]).
 
+mod extremes;
 mod oscillation;
 mod probe;
 mod resultant;
 
+pub use extremes::Extremes;
 pub use probe::positions;
 
-use super::{Clock, Context, Interval, Process, Requirements};
+use super::{Clock, Context, Interval, Process, Requirements, Results};
 use crate::diagnostic::InputErrors;
 use crate::error::Error;
 use crate::io::checkpoint::{Archive, CheckpointError};
@@ -76,6 +78,10 @@ pub trait Measurement: Send {
     /// The columns, once all that is measured exists, before the run.
     fn headings(&mut self, model: &Model) -> Vec<Heading>;
 
+    /// Adds what it has found to the summary of the run, beside what is told of every column.
+    #[allow(unused_variables)]
+    fn results(&self, results: &mut Results) {}
+
     /// Appends the present numbers, a row after the other, each as long as the headings.
     fn measure(&mut self, model: &Model, rows: &mut Vec<f64>);
 }
@@ -101,7 +107,7 @@ pub struct TableOutput<M> {
     interval: Interval,
     moments: Moments,
     table: TableWriter,
-    width: usize,
+    extremes: Extremes,
     rows: Vec<f64>,
 }
 
@@ -136,7 +142,7 @@ impl<M: Measurement> TableOutput<M> {
                 interval,
                 moments,
                 table: TableWriter::new(path, format),
-                width: 0,
+                extremes: Extremes::default(),
                 rows: Vec::new(),
             }),
             _ => Err(errors),
@@ -154,8 +160,10 @@ impl<M: Measurement> TableOutput<M> {
     fn write(&mut self, context: &Context) -> Result<(), Error> {
         self.rows.clear();
         self.measurement.measure(context.model, &mut self.rows);
-        let mut line = Vec::with_capacity(1 + self.width);
-        for row in self.rows.chunks_exact(self.width.max(1)) {
+        let width = self.extremes.width();
+        let mut line = Vec::with_capacity(1 + width);
+        for row in self.rows.chunks_exact(width.max(1)) {
+            self.extremes.add(row);
             line.clear();
             line.push(context.clock.time);
             line.extend_from_slice(row);
@@ -207,7 +215,7 @@ impl<M: Measurement> Process for TableOutput<M> {
 
     fn execute_before_solution_loop(&mut self, context: &mut Context) -> Result<(), Error> {
         let headings = self.measurement.headings(context.model);
-        self.width = headings.len();
+        self.extremes = Extremes::of(headings.iter().map(|heading| heading.name.clone()).collect());
         let all: Vec<Heading> = std::iter::once(Heading::new("TIME", "s")).chain(headings).collect();
         self.table.begin(&all).map_err(|source| Error::Write { path: self.table.path().into(), source })?;
         // The start counts as an output, but among times only where it is named.
@@ -239,9 +247,14 @@ impl<M: Measurement> Process for TableOutput<M> {
             Moments::Control(control) => control.exchange(archive)?,
             Moments::Times(times) => archive.column("times", times)?,
         }
-        archive.count("width", &mut self.width)?;
+        self.extremes.exchange(archive)?;
         self.measurement.exchange_state(archive)?;
         self.table.exchange(archive)
+    }
+
+    fn results(&self, results: &mut Results) {
+        results.add_table(self.table.path(), &self.extremes);
+        self.measurement.results(results);
     }
 
     fn files(&self) -> Vec<PathBuf> {
