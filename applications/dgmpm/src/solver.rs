@@ -10,7 +10,7 @@ use bia_kernel::diagnostic::InputErrors;
 use bia_kernel::error::{Error, Failure};
 use bia_kernel::io::checkpoint::{Archive, CheckpointError};
 use bia_kernel::io::json::JsonObject;
-use bia_kernel::model::{Model, ModelPart};
+use bia_kernel::model::{Model, ModelPart, PointSet};
 use bia_kernel::processes::{Clock, Context, Location, Process, Requirements};
 use bia_kernel::registry::Registry;
 use bia_kernel::solving::solver::{ColumnUse, Counts, Inventory, Solver};
@@ -132,6 +132,7 @@ impl Solver for DiscontinuousGalerkin {
         })?;
         self.check_limits(&points)?;
         model.extend(points);
+        model.set_points(|model| model.extension::<Points>().map(|points| points as &dyn PointSet));
         Ok(())
     }
 

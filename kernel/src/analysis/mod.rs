@@ -15,7 +15,7 @@ use crate::error::{Error, Failure};
 use crate::io::checkpoint::{Archive, CheckpointError, Contents, file};
 use crate::model::Model;
 use crate::parameters::{Document, Parameters};
-use crate::processes::{Clock, Context, Process, Requirements, RunOptions};
+use crate::processes::{Clock, Context, Process, Requirements, Results, RunOptions};
 use crate::registry::Registry;
 use crate::solving::StepReport;
 use crate::solving::solver::{Inventory, Solver};
@@ -163,6 +163,13 @@ impl Analysis {
         self.solver.as_ref()
     }
 
+    /// What the processes have found.
+    pub fn results(&self) -> Results {
+        let mut results = Results::default();
+        self.processes.iter().for_each(|process| process.results(&mut results));
+        results
+    }
+
     /// Whether a path is a file that the project reads.
     pub fn is_input(&self, path: &Path) -> bool {
         self.project.is_input(path)
@@ -277,7 +284,12 @@ impl Analysis {
             return Ok(());
         }
         if let Some(recorder) = recorder {
-            recorder.finish(account, self.solver.account(&self.model))?;
+            let mut head = self.solver.account(&self.model);
+            let errors = self.results().errors;
+            if !errors.is_empty() {
+                head.insert("errors".into(), errors.into());
+            }
+            recorder.finish(account, head)?;
         }
         // A run that is done cannot be resumed.
         Ok(self.restart.as_mut().map_or(Ok(()), Restart::clear)?)

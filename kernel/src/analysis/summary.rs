@@ -2,7 +2,6 @@
 
 use super::account::{cpu_total, number, peak_memory_mb};
 use super::{Account, Analysis};
-use crate::processes::Results;
 use crate::solving::solver::ColumnUse;
 use serde_json::{Map, Value, json};
 use std::time::Duration;
@@ -15,8 +14,7 @@ impl Analysis {
         if let Some(account) = &self.account {
             self.add_run(account, &mut summary);
         }
-        let mut results = Results::default();
-        self.processes.iter().for_each(|process| process.results(&mut results));
+        let results = self.results();
         summary.insert("errors".into(), results.errors.into());
         summary.insert("values".into(), results.values.into());
         summary

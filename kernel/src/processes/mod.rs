@@ -90,6 +90,8 @@ pub struct Requirements {
     pub variables: Vec<Wanted>,
     /// Kinetic, strain and potential energy.
     pub energies: bool,
+    /// Positions of points at the start of the run.
+    pub initial_positions: bool,
     /// Everything that the account of a run (`--record`) holds.
     pub record: bool,
     /// Nodal variables that processes write.

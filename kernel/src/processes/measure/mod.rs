@@ -4,10 +4,13 @@
 //! A [`Measurement`] says what is measured; [`TableOutput`] makes a process of it, with the keys that all of
 //! them share ([`TABLE`]).
 
+mod error;
 mod extremes;
 mod oscillation;
 mod probe;
+mod range;
 mod resultant;
+mod sample;
 
 pub use extremes::Extremes;
 pub use probe::positions;
@@ -50,6 +53,11 @@ pub trait Measurement: Send {
     /// Name of the measurement and, unless the input says otherwise, of its file.
     fn name(&self) -> &'static str;
 
+    /// Name of its file, without extension, unless the input names one.
+    fn file_name(&self) -> String {
+        self.name().into()
+    }
+
     /// Resolves the names of model parts once the meshes are read.
     ///
     /// # Errors
@@ -82,6 +90,10 @@ pub trait Measurement: Send {
     #[allow(unused_variables)]
     fn results(&self, results: &mut Results) {}
 
+    /// Says what time it is before each measurement.
+    #[allow(unused_variables)]
+    fn tell(&mut self, clock: &Clock) {}
+
     /// Appends the present numbers, a row after the other, each as long as the headings.
     fn measure(&mut self, model: &Model, rows: &mut Vec<f64>);
 }
@@ -91,6 +103,8 @@ pub fn register(registry: &mut Registry) {
     probe::register(registry);
     resultant::register(registry);
     oscillation::register(registry);
+    error::register(registry);
+    range::register(registry);
 }
 
 /// When a table gets its rows.
@@ -131,8 +145,9 @@ impl<M: Measurement> TableOutput<M> {
         };
         let file = settings.nested("output_file_settings");
         let text = |key: &str| file.map_or("", |file| file.text(key));
-        let name = if text("file_name").is_empty() { measurement.name() } else { text("file_name") };
-        let name = if name.contains('.') { name.to_string() } else { format!("{name}.{}", text("file_extension")) };
+        let given = text("file_name");
+        let name = if given.is_empty() { measurement.file_name() } else { given.to_string() };
+        let name = if name.contains('.') { name } else { format!("{name}.{}", text("file_extension")) };
         let path = errors.absorb(building.result_file(building.options.output.join(text("output_path")).join(name)));
         let (place, interval) = (settings.parameters().clone(), Interval(settings.interval("interval")));
         match (parsed, moments, path) {
@@ -159,6 +174,7 @@ impl<M: Measurement> TableOutput<M> {
 
     fn write(&mut self, context: &Context) -> Result<(), Error> {
         self.rows.clear();
+        self.measurement.tell(context.clock);
         self.measurement.measure(context.model, &mut self.rows);
         let width = self.extremes.width();
         let mut line = Vec::with_capacity(1 + width);
