@@ -144,6 +144,37 @@ fn a_killed_study_goes_on() {
     assert_eq!(left.filter(|name| name.starts_with("unfinished_") || name.starts_with('.')).count(), 0);
 }
 
+/// No run outlives its study.
+#[cfg(target_os = "linux")]
+#[test]
+fn runs_end_with_a_killed_study() {
+    let folder = TempDir::new().unwrap();
+    let mut long = study(1);
+    long["variants"] = json!([{"label": "long", "project": "mpm.json", "set": {"/problem_data/end_time": 1e6}}]);
+    long["sweep"] = json!([{"label": "only"}]);
+    write(folder.path(), &long);
+    let mut command = Command::new(env!("CARGO_BIN_EXE_bia"));
+    let results = folder.path().join("results").to_string_lossy().into_owned();
+    command.current_dir(folder.path()).args(["study", "study.json", "--quiet", "--output", &results]);
+    let mut child = command.spawn().unwrap();
+    let runs = || {
+        let of = |entry: std::fs::DirEntry| std::fs::read(entry.path().join("cmdline")).ok();
+        let lines = std::fs::read_dir("/proc").into_iter().flatten().flatten().filter_map(of);
+        lines.filter(|line| text(line).contains("--end-with-input") && text(line).contains(&results)).count()
+    };
+    let begin = Instant::now();
+    let wait_for = |count: usize| {
+        while runs() != count {
+            assert!(begin.elapsed() < Duration::from_secs(20), "never {count} runs");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    };
+    wait_for(1);
+    child.kill().unwrap();
+    child.wait().unwrap();
+    wait_for(0);
+}
+
 /// A run that takes too long is ended, and told so; with more time it is run again.
 #[test]
 fn a_run_without_end_is_ended() {
