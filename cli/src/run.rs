@@ -95,7 +95,7 @@ pub fn run(arguments: &RunArguments, registry: &Registry) -> ExitCode {
 /// How a run ended.
 pub enum End {
     /// Done, or stopped by a signal after a whole step.
-    Done(Account),
+    Done(Box<Account>),
     /// The input is wrong, or its results have no place.
     Refused(InputErrors),
     /// It went wrong.
@@ -138,7 +138,7 @@ fn execute(arguments: &RunArguments, threads: usize, registry: &Registry, signal
     };
     progress.finish();
     let end = match result {
-        Ok(account) => End::Done(account),
+        Ok(account) => End::Done(Box::new(account)),
         Err(Error::Input(errors)) => End::Refused(errors),
         Err(error) => End::Failed(error),
     };

@@ -90,6 +90,21 @@ fn a_study_reports_errors_orders_times_and_troubles() {
     assert!(!page.contains("://") || page.matches("://").count() == page.matches("http://www.w3.org/2000/svg").count());
 }
 
+/// An error may be made of any numbers of the summary.
+#[test]
+fn an_error_may_be_a_difference() {
+    let folder = TempDir::new().unwrap();
+    let mut tiny = study(1);
+    tiny["variants"].as_array_mut().unwrap().truncate(2);
+    tiny["error"] = json!({"quantity": "/steps", "minus": "/cells", "over": 2});
+    write(folder.path(), &tiny);
+    assert!(bia(folder.path(), &["study", "study.json", "--quiet"]).status.success());
+    for run in read(&folder.path().join("study_results/results.json"))["runs"].as_array().unwrap() {
+        let number = |pointer: &str| run["summary"].pointer(pointer).and_then(Value::as_f64).unwrap();
+        assert_eq!(run["error"].as_f64().unwrap(), ((number("/steps") - number("/cells")) / 2.0).abs());
+    }
+}
+
 /// What is done is not done again, unless its inputs have changed.
 #[test]
 fn finished_runs_are_kept() {
@@ -208,6 +223,8 @@ fn wrong_studies_are_told_as_wrong_projects_are() {
         (with("repetitons", json!(3)), "did you mean \"repetitions\"?"),
         (with("repetitions", json!(0)), "a whole number of at least 1"),
         (with("variants", json!([])), "names no variant"),
+        (with("error", json!({"quantity": "errors"})), "looks at nothing"),
+        (with("error", json!({"quantity": "/steps", "minus": "x"})), "must be a number, or a JSON pointer"),
         (with("wanted_errors", json!([-1])), "must be a number above 0"),
         (variant(json!({"project": "mpn.json"})), "mpm.json"),
         (variant(json!({"label": "FEM"})), "another variant is called \"FEM\", too"),

@@ -8,6 +8,7 @@ mod machine;
 mod outcome;
 mod page;
 mod plan;
+mod quantity;
 mod report;
 mod runner;
 mod store;
