@@ -1,5 +1,6 @@
 //! The `bia` command: parse arguments, register applications, run, show progress and errors.
 
+mod convert;
 mod info;
 mod new;
 mod progress;
@@ -26,6 +27,7 @@ const EXAMPLES: &str = "Examples:
   bia explain ProjectParameters.json             stages and memory, and what the scene does without
   bia new scene --template falling-disc          write a project to begin with
   bia info Dynamic                               the keys of a solver, process, modeler or law
+  bia convert plate.msh plate.mdpa               a mesh from one format to another, groups and parts kept
   bia schema > bia.schema.json                   for editors, in a member $schema of the project
   bia run P.json --resume                        go on from the newest checkpoint of the project
   bia run P.json --threads 2 --output /tmp/out --set /problem_data/end_time=0.1
@@ -45,6 +47,8 @@ enum Command {
     New(new::NewArguments),
     /// List all solvers, processes, modelers, laws and variables, or show one
     Info(info::InfoArguments),
+    /// Convert a mesh between Gmsh's .msh, Kratos's .mdpa and VTK's .vtu
+    Convert(convert::ConvertArguments),
     /// Print the JSON Schema of projects, with which editors complete and check them
     Schema,
     /// Print completions for a shell
@@ -86,6 +90,7 @@ fn main() -> ExitCode {
         Command::Explain(arguments) => run::explain(&arguments, &registry()),
         Command::New(arguments) => new::new(&arguments),
         Command::Info(arguments) => info::info(&arguments, &registry()),
+        Command::Convert(arguments) => convert::convert(&arguments, &registry()),
         Command::Schema => info::schema(&registry()),
         Command::Completions { shell } => info::completions(shell),
     }
