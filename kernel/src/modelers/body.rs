@@ -87,7 +87,7 @@ fn read(building: Building) -> Result<Bodies, InputErrors> {
         let Some(settings) = errors.absorb(entry.read(BODY)) else { continue };
         let name = errors.absorb(part_name(&settings, &names)).unwrap_or_default();
         names.push(name.clone());
-        let Some(body) = errors.absorb(read_body(&settings, name, building.registry)) else { continue };
+        let Some(body) = errors.absorb(read_body(&settings, name, &building)) else { continue };
         let (found, first) = (body.mesh.shape.dimension(), bodies.first().map(|b| b.mesh.shape.dimension()));
         if first.is_some_and(|first| first != found) {
             let first = first.unwrap_or(found);
@@ -106,9 +106,10 @@ fn read(building: Building) -> Result<Bodies, InputErrors> {
     errors.or(Bodies { root, bodies, settings: building.settings })
 }
 
-fn read_body(settings: &Settings, name: String, registry: &Registry) -> Result<Body, InputErrors> {
+fn read_body(settings: &Settings, name: String, building: &Building) -> Result<Body, InputErrors> {
+    let registry = building.registry;
     let mut errors = InputErrors::default();
-    let primitive = settings.get("primitive").map(Primitive::read);
+    let primitive = settings.get("primitive").map(|primitive| Primitive::read(primitive, &building.options.folder));
     let Some(primitive) = primitive.and_then(|primitive| errors.absorb(primitive)) else { return Err(errors) };
     let dimension = primitive.dimension();
     let placement = errors.absorb(Placement::read(settings, primitive.center, dimension));
