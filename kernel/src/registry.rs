@@ -6,7 +6,7 @@ use crate::geometry::Shape;
 use crate::io::mdpa::{Category, CellNames};
 use crate::model::Model;
 use crate::parameters::{Key, Parameters, Settings};
-use crate::processes::{Process, RunOptions};
+use crate::processes::{Location, Process, RunOptions};
 use crate::solving::solver::Solver;
 use crate::variables::{Rank, Variable};
 use std::any::{Any, TypeId};
@@ -127,6 +127,17 @@ pub struct Kinds {
     pub describe: fn(&Registry) -> Vec<Description>,
 }
 
+/// What a kind of solver can show, so that who asks another one for it learns where it is.
+#[derive(Debug, Clone, Copy)]
+pub struct Provider {
+    /// The solver in words, such as "structural solvers".
+    pub who: &'static str,
+    /// Where the variables are.
+    pub location: Location,
+    /// Their names.
+    pub variables: fn() -> Vec<&'static str>,
+}
+
 /// All components.
 #[derive(Default)]
 pub struct Registry {
@@ -138,6 +149,7 @@ pub struct Registry {
     body_mesh: Option<(&'static str, &'static str)>,
     catalogues: HashMap<TypeId, Box<dyn Any + Send + Sync>>,
     kinds: Vec<Kinds>,
+    providers: Vec<Provider>,
 }
 
 impl Registry {
@@ -214,6 +226,16 @@ impl Registry {
         if !self.kinds.iter().any(|known| known.title == kind.title) {
             self.kinds.push(kind);
         }
+    }
+
+    /// Says what a kind of solver can show.
+    pub fn provider(&mut self, provider: Provider) {
+        self.providers.push(provider);
+    }
+
+    /// What the solvers can show.
+    pub fn providers(&self) -> &[Provider] {
+        &self.providers
     }
 
     /// The kinds of components that applications describe themselves.

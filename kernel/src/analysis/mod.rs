@@ -106,7 +106,8 @@ impl Analysis {
             errors.absorb(process.connect(&mut model));
         }
         errors.or(())?;
-        let mut requirements = Requirements { record, ..Requirements::default() };
+        let mut requirements =
+            Requirements { record, providers: registry.providers().to_vec(), ..Requirements::default() };
         for process in &processes {
             process.require(&mut requirements);
         }
@@ -137,6 +138,11 @@ impl Analysis {
     /// Names of the processes, in the order in which they act.
     pub fn pipeline(&self) -> Vec<&str> {
         self.processes.iter().map(|process| process.name()).collect()
+    }
+
+    /// The model parts with their values, as they are now.
+    pub fn model(&self) -> &Model {
+        &self.model
     }
 
     /// The solver.

@@ -88,7 +88,7 @@ pub struct Written {
 pub fn write(part: &ModelPart, path: &Path, options: &Options) -> Result<Written, InputErrors> {
     let (written, losses) = match Format::of(path)? {
         Format::Gmsh => (gmsh::write(part, path, options.msh), gmsh::losses(part)),
-        Format::Mdpa => (mdpa::write(part, path), Vec::new()),
+        Format::Mdpa => (mdpa::write(part, path), mdpa::losses(part)),
         Format::Vtu => {
             // Base64 is read by programs that take the file for XML, meshio among them.
             let form = VtuOptions {

@@ -31,7 +31,7 @@ use crate::geometry::Shape;
 use crate::model::ModelPart;
 use faults::Faults;
 use std::path::Path;
-pub use write::write;
+pub use write::{losses, write};
 
 /// The three kinds of cells of a model part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

@@ -7,8 +7,20 @@ use crate::model::{Cells, ModelPart, SubModelPart, Table, Value};
 use std::io::{self, Write};
 use std::path::Path;
 
-/// Writes a root model part to `path` and returns the size of the file in bytes. Everything that a
-/// model part holds before a run has its place in the format; numbers are exact.
+/// A name of a sub model part as one word, which the format wants.
+fn word(name: &str) -> String {
+    name.replace(char::is_whitespace, "_")
+}
+
+/// What a model part holds and the format does not, in words: names with blanks.
+pub fn losses(part: &ModelPart) -> Vec<String> {
+    let paths = part.paths();
+    let names = paths.iter().filter_map(|path| path.rsplit('.').next()).filter(|name| word(name) != *name);
+    names.map(|name| format!("blanks in names: {name:?} is written as {:?}", word(name))).collect()
+}
+
+/// Writes a root model part to `path` and returns the size of the file in bytes. All that a model part holds
+/// before a run has its place in the format, but for blanks in names ([`losses`]); numbers are exact.
 ///
 /// # Errors
 /// Those of the file system; no part of a file is left.
@@ -123,7 +135,7 @@ fn write_data(part: &ModelPart, out: &mut dyn Write) -> io::Result<()> {
 
 fn write_part(part: &SubModelPart, root: &ModelPart, depth: usize, out: &mut dyn Write) -> io::Result<()> {
     let indent = "  ".repeat(depth);
-    writeln!(out, "{indent}Begin SubModelPart {}", part.name)?;
+    writeln!(out, "{indent}Begin SubModelPart {}", word(&part.name))?;
     let ids = |list: &[u32], ids: &[u32]| list.iter().map(|&i| ids[i as usize]).collect::<Vec<u32>>();
     for (block, list) in [
         ("Tables", part.tables.clone()),
