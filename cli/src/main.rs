@@ -4,6 +4,7 @@ mod convert;
 mod info;
 mod new;
 mod progress;
+mod reference;
 mod report;
 mod run;
 mod signal;
@@ -27,6 +28,7 @@ const EXAMPLES: &str = "Examples:
   bia explain ProjectParameters.json             stages and memory, and what the scene does without
   bia new scene --template falling-disc          write a project to begin with
   bia info Dynamic                               the keys of a solver, process, modeler or law
+  bia info --markdown                            the same of everything, as a page
   bia convert plate.msh plate.mdpa               a mesh from one format to another, groups and parts kept
   bia schema > bia.schema.json                   for editors, in a member $schema of the project
   bia run P.json --resume                        go on from the newest checkpoint of the project

@@ -83,6 +83,8 @@ pub struct ModelerEntry {
     pub name: &'static str,
     /// Keys of its `parameters`.
     pub keys: &'static [Key],
+    /// Keys of the objects in its lists, with words for which they are.
+    pub lists: fn() -> Vec<(String, &'static [Key])>,
     /// What it does.
     pub help: &'static str,
     /// Builds it.

@@ -5,7 +5,7 @@ use super::mapping::{MAP, Map};
 use super::mesh::{Cubes, Diagonal, MOST_CELLS, Mesh, bounds, lattice_shape};
 use super::parts::{self, NamedPart};
 use super::placement::Placement;
-use super::primitive::{Form, Primitive};
+use super::primitive::{Form, Primitive, TYPES};
 use super::reading::{SHAPES, cell_shape, element_name, insert, part_name};
 use crate::diagnostic::InputErrors;
 use crate::model::{Model, ModelPart, Properties, SubModelPart};
@@ -54,6 +54,11 @@ pub(super) fn register(registry: &mut Registry) {
     registry.modeler(ModelerEntry {
         name: "BodyModeler",
         keys: KEYS,
+        lists: || {
+            let primitives = TYPES.iter().map(|(name, keys)| (format!("a primitive of type {name}"), *keys));
+            let (body, part) = (("an entry of bodies".into(), BODY), ("an entry of parts".into(), parts::PART));
+            std::iter::once(body).chain(primitives).chain([part]).collect()
+        },
         help: "makes bodies of primitives as the sub model parts of a new root model part",
         build: |building| Ok(Box::new(read(building)?)),
     });

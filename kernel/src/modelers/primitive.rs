@@ -17,7 +17,7 @@ const INNER: Key = Key::required("inner_radius", Kind::Number(Range::POSITIVE), 
 const OUTER: Key = Key::required("outer_radius", Kind::Number(Range::POSITIVE), "outer radius [m]");
 
 /// Names of the primitives with their keys.
-const TYPES: &[(&str, &[Key])] = &[
+pub(super) const TYPES: &[(&str, &[Key])] = &[
     ("box", &[TYPE, CORNER_LOW, CORNER_HIGH]),
     ("disc", &[TYPE, CENTER, RADIUS]),
     ("ring", &[TYPE, CENTER, INNER, OUTER]),
