@@ -92,6 +92,19 @@ fn the_reference_is_what_the_program_knows() {
     }
 }
 
+/// Tests that the pages name, `file::test`, exist.
+#[test]
+fn tests_that_are_named_exist() {
+    let text = read_to_string(root().join("docs/users.md")).unwrap();
+    let named: Vec<(&str, &str)> =
+        text.split('`').filter_map(|word| word.split_once("::")).filter(|(file, _)| file.ends_with(".rs")).collect();
+    assert!(named.len() > 30, "{}", named.len());
+    for (file, test) in named {
+        let source = read_to_string(root().join(file)).unwrap_or_default();
+        assert!(source.contains(&format!("fn {test}(")), "there is no test {file}::{test}");
+    }
+}
+
 /// Blocks of the page with this mark.
 fn blocks<'a>(text: &'a str, mark: &str) -> Vec<&'a str> {
     let begin = format!("```{mark}\n");
