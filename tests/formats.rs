@@ -67,7 +67,8 @@ fn meshes_are_converted_and_losses_told() {
         fields.map(|field| (field.name.clone(), values(&data, &field.name).iter().sum::<f64>())).collect::<Vec<_>>()
     };
     let (mut before, mut after) = (parts("b.vtu"), parts("d.vtu"));
-    (before.sort_by(|a, b| a.0.cmp(&b.0)), after.sort_by(|a, b| a.0.cmp(&b.0)));
+    before.sort_by(|a, b| a.0.cmp(&b.0));
+    after.sort_by(|a, b| a.0.cmp(&b.0));
     assert_eq!(before, after, "the same cells in the same parts");
     assert!(convert(&["a.mdpa", "b.vtu"], 2).contains("is there already"));
     convert(&["a.mdpa", "b.vtu", "--force"], 0);

@@ -260,9 +260,9 @@ impl Process for InitialField {
         let (time, column) = (context.clock.time, self.column());
         let Some(points) = context.model.extension_mut::<MaterialPoints>() else { return Ok(()) };
         let Some(selection) = points.select(self.values.settings.text("model_part_name")) else { return Ok(()) };
-        let chosen = points.blocks.iter_mut().filter(|block| selection.holds(block.body));
+        let mut chosen = points.blocks.iter_mut().filter(|block| selection.holds(block.body));
         match &self.file {
-            Some(file) => chosen.map(|block| self.sample(block, file)).collect(),
+            Some(file) => chosen.try_for_each(|block| self.sample(block, file)),
             None => {
                 chosen.for_each(|block| column(block).values_mut().fill(0.0));
                 self.values.add(points, time, column)
