@@ -15,6 +15,7 @@ use bia_kernel::linalg::{LinearSolver, solver};
 use bia_kernel::model::{Model, ModelPart};
 use bia_kernel::processes::{Clock, Context, Location, Requirements};
 use bia_kernel::registry::Registry;
+use bia_kernel::solving::newton::OnNoConvergence;
 use bia_kernel::solving::solver::{ColumnUse, Inventory, Solver};
 use bia_kernel::solving::{ActiveDofs, StepReport, Stepping, System};
 use bia_kernel::variables::Variable;
@@ -240,6 +241,10 @@ impl Solver for Structural {
             stable = updated?;
         }
         self.settings.stepping.step(clock, stable)
+    }
+
+    fn on_no_convergence(&self) -> OnNoConvergence {
+        OnNoConvergence::of(&self.settings.settings)
     }
 
     fn plans_steps(&self) -> bool {

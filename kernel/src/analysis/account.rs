@@ -25,6 +25,10 @@ pub struct Account {
     pub iterations: Vec<usize>,
     /// Steps whose criterion was not met.
     pub not_converged: Vec<usize>,
+    /// Steps that were cut.
+    pub cut: Vec<usize>,
+    /// How often a step was halved, at most.
+    pub halvings: u32,
     /// Wall time by stage.
     pub stages: Vec<(&'static str, Duration)>,
     /// Energies at the end, in joules.
@@ -52,6 +56,8 @@ impl Account {
             end_time: 0.0,
             iterations: Vec::new(),
             not_converged: Vec::new(),
+            cut: Vec::new(),
+            halvings: 0,
             stages: Vec::new(),
             energies: Vec::new(),
             files: Vec::new(),
@@ -86,7 +92,11 @@ impl Account {
         if archive.is_loading() {
             self.earlier = times.map(|time| Duration::try_from_secs_f64(time).unwrap_or_default());
         }
-        for (name, list) in [("iterations", &mut self.iterations), ("not converged", &mut self.not_converged)] {
+        let mut halvings = self.halvings as usize;
+        archive.count("halvings", &mut halvings)?;
+        self.halvings = halvings as u32;
+        let (iterations, not_converged) = (&mut self.iterations, &mut self.not_converged);
+        for (name, list) in [("iterations", iterations), ("not converged", not_converged), ("cut", &mut self.cut)] {
             let mut numbers: Vec<u64> = list.iter().map(|number| *number as u64).collect();
             archive.column(name, &mut numbers)?;
             if archive.is_loading() {
@@ -100,6 +110,10 @@ impl Account {
         self.iterations.push(report.iterations);
         if !report.converged {
             self.not_converged.push(clock.step);
+        }
+        if report.halvings > 0 {
+            self.cut.push(clock.step);
+            self.halvings = self.halvings.max(report.halvings);
         }
     }
 }
@@ -254,6 +268,7 @@ impl Recorder {
             "peak_rss_mb": peak_memory_mb(),
             "iterations": account.iterations,
             "not_converged_steps": account.not_converged,
+            "cut_steps": account.cut,
         });
         if let Some(map) = facts.as_object_mut() {
             map.extend(head);
