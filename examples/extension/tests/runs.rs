@@ -86,7 +86,7 @@ fn temperatures(project: &str) -> Vec<([f64; 3], f64)> {
     let folder = tempfile::tempdir().unwrap();
     let mut analysis = prepare(folder.path(), project);
     analysis.run(&mut (), None).map_err(|error| error.to_string()).unwrap();
-    let part = analysis.model().part("Solid").unwrap();
+    let part = analysis.model.part("Solid").unwrap();
     part.nodes.coordinates.iter().copied().zip(part.node_fields.scalar(&TEMPERATURE).unwrap().to_vec()).collect()
 }
 

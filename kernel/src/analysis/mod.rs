@@ -1,26 +1,29 @@
 //! The analysis: builds what a project names and drives it through time in Kratos's order.
 
 mod account;
+mod prepare;
 mod project;
 mod restart;
 mod schema;
+mod step;
+mod summary;
 
 pub use account::{Account, RecordPlan, number, peak_memory_mb};
 pub use project::Project;
 pub use schema::{project_keys, project_schema};
 
-use crate::diagnostic::{Diagnostic, InputErrors, Place};
-use crate::error::Error;
+use crate::diagnostic::{Diagnostic, Place};
+use crate::error::{Error, Failure};
 use crate::io::checkpoint::{Archive, CheckpointError, Contents, file};
 use crate::model::Model;
-use crate::parameters::{Document, Parameters};
-use crate::processes::{Clock, Context, Process, Requirements, RunOptions};
-use crate::registry::Registry;
+use crate::parameters::Parameters;
+use crate::processes::{Clock, Context, Process, Results, RunOptions};
 use crate::solving::StepReport;
 use crate::solving::solver::{Inventory, Solver};
 use crate::variables::Variable;
 use account::Recorder;
 use restart::Restart;
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 /// Name of the file to which a failed run saves its state.
@@ -58,76 +61,15 @@ pub struct Analysis {
     /// All that there are, so that columns of a checkpoint find their names.
     variables: Vec<Variable>,
     warnings: Vec<String>,
+    resumed: bool,
     stages: Vec<(&'static str, Duration)>,
+    /// That of the last run, however it ended.
+    account: Option<Account>,
+    /// The stable time step in the first step, in seconds, where it is known.
+    first_stable: Option<f64>,
 }
 
 impl Analysis {
-    /// Reads all input of a project, checks it and makes the model; nothing is written.
-    ///
-    /// # Errors
-    /// Every fault of the input that can be found: first those of the JSON alone, then those that
-    /// need the meshes.
-    pub fn prepare(
-        document: Document,
-        registry: &Registry,
-        mut options: RunOptions,
-        record: bool,
-    ) -> Result<Self, InputErrors> {
-        let project = Project::read(Parameters::root(document))?;
-        options.kratos_exact |= project.kratos_exact;
-        let mut errors = InputErrors::default();
-        let solver = errors.absorb(registry.build_solver(&project.solver, &options));
-        let mut processes = solver.as_ref().map_or(Vec::new(), |solver| solver.processes());
-        for block in project.processes.iter().chain(&project.outputs) {
-            processes.extend(errors.absorb(registry.build_process(block, &project.root, &options)));
-        }
-        let mut modelers = Vec::new();
-        for block in &project.modelers {
-            modelers.extend(errors.absorb(registry.build_modeler(block, &project.root, &options)));
-        }
-        let Some(mut solver) = errors.or(solver)? else {
-            return Err(InputErrors::default());
-        };
-
-        let mut model = Model::default();
-        for modeler in &mut modelers {
-            modeler.setup_geometry(&mut model, registry)?;
-        }
-        for modeler in &mut modelers {
-            modeler.setup_model_part(&mut model, registry)?;
-        }
-        solver.import(&mut model, registry)?;
-        let mut warnings = project.warnings.clone();
-        for part in model.parts_mut() {
-            warnings.extend(part.apply_data(registry));
-        }
-        let mut errors = InputErrors::default();
-        for process in &mut processes {
-            errors.absorb(process.connect(&mut model));
-        }
-        errors.or(())?;
-        let mut requirements =
-            Requirements { record, providers: registry.providers().to_vec(), ..Requirements::default() };
-        for process in &processes {
-            process.require(&mut requirements);
-        }
-        std::mem::take(&mut requirements.faults).or(())?;
-        solver.initialize(&mut model, &requirements)?;
-        let mut errors = InputErrors::default();
-        for process in &mut processes {
-            errors.absorb(process.check(&model));
-        }
-        errors.or(())?;
-        let start = project.problem.number("start_time");
-        let clock =
-            Clock { start, time: start, load_time: start, end: project.problem.number("end_time"), ..Clock::default() };
-        check_time_step(solver.as_mut(), &model, &clock, &project)?;
-        let restart = project.restart.as_ref().map(|settings| Restart::new(settings, &options.output));
-        let (project, variables) = (project.root, registry.variables().to_vec());
-        let (identity, stages) = (serde_json::Value::Null, Vec::new());
-        Ok(Self { model, solver, processes, clock, options, project, restart, identity, variables, warnings, stages })
-    }
-
     /// What the scene consists of.
     pub fn inventory(&self) -> Inventory {
         let mut inventory = self.solver.inventory(&self.model);
@@ -140,14 +82,21 @@ impl Analysis {
         self.processes.iter().map(|process| process.name()).collect()
     }
 
-    /// The model parts with their values, as they are now.
-    pub fn model(&self) -> &Model {
-        &self.model
-    }
-
     /// The solver.
     pub fn solver(&self) -> &dyn Solver {
         self.solver.as_ref()
+    }
+
+    /// What the processes have found.
+    pub fn results(&self) -> Results {
+        let mut results = Results::default();
+        self.processes.iter().for_each(|process| process.results(&mut results));
+        results
+    }
+
+    /// Whether a path is a file that the project reads.
+    pub fn is_input(&self, path: &Path) -> bool {
+        self.project.is_input(path)
     }
 
     /// Steps that the run will take, if the step depends on nothing but the time.
@@ -198,38 +147,56 @@ impl Analysis {
         // What an earlier run left must not be taken for this one's.
         let _ = std::fs::remove_file(self.options.output.join(FAILED_STATE));
         let keeps = self.restart.is_some();
+        self.resumed = resumes;
         let record = record.map(|plan| Recorder::new(plan, planned, &self.clock, resumes, keeps));
-        let mut recorder = record.transpose()?;
+        let recorder = record.transpose()?;
         let mut account = Account::start();
-        match self.run_loop(observer, planned, &mut recorder, &mut account, checkpoint) {
-            Ok(()) => {}
-            Err(Error::Failure(mut failure)) => {
-                failure.stamp(self.clock.step, self.clock.time);
-                failure = failure.detail(match self.solver.save_state(&self.model, &self.options.output) {
-                    Ok(files) => {
-                        let names: Vec<String> = files.iter().map(|f| f.display().to_string()).collect();
-                        format!("the state was saved to {}", names.join(", "))
-                    }
-                    Err(error) => format!("the state could not be saved: {error}"),
-                });
-                if let Some(newest) = self.restart.as_ref().and_then(|restart| restart.files.last()) {
-                    failure = failure.detail(format!("the newest checkpoint is {}", newest.display()));
-                }
-                return Err(Error::Failure(failure));
-            }
-            Err(other) => return Err(other),
+        let ended = self.go(observer, planned, recorder, &mut account, checkpoint);
+        self.account = Some(account.clone());
+        ended.map(|()| account)
+    }
+
+    /// The loop and what follows it, whatever its end.
+    fn go(
+        &mut self,
+        observer: &mut dyn Observer,
+        planned: Option<usize>,
+        mut recorder: Option<Recorder>,
+        account: &mut Account,
+        checkpoint: Option<Contents>,
+    ) -> Result<(), Error> {
+        let ended = self.run_loop(observer, planned, &mut recorder, account, checkpoint);
+        account.steps = self.clock.step;
+        account.end_time = self.clock.time;
+        account.end_loop();
+        match ended {
+            Ok(()) => self.finish(account, recorder),
+            Err(Error::Failure(failure)) => Err(Error::Failure(self.complete(failure))),
+            Err(other) => Err(other),
         }
-        self.finish(&mut account, recorder)?;
-        Ok(account)
+    }
+
+    /// Adds to a failure when it happened, and where the state was saved.
+    fn complete(&self, mut failure: Failure) -> Failure {
+        failure.stamp(self.clock.step, self.clock.time);
+        failure = failure.detail(match self.solver.save_state(&self.model, &self.options.output) {
+            Ok(files) => {
+                let names: Vec<String> = files.iter().map(|f| f.display().to_string()).collect();
+                format!("the state was saved to {}", names.join(", "))
+            }
+            Err(error) => format!("the state could not be saved: {error}"),
+        });
+        match self.restart.as_ref().and_then(|restart| restart.files.last()) {
+            Some(newest) => failure.detail(format!("the newest checkpoint is {}", newest.display())),
+            None => failure,
+        }
     }
 
     /// What is told of a run that has ended without an error.
     fn finish(&mut self, account: &mut Account, recorder: Option<Recorder>) -> Result<(), Error> {
-        for remark in self.solver.remarks(&self.model) {
+        for remark in self.solver.remarks(&self.model).into_iter().chain(self.unreached()) {
             tracing::warn!("{remark}");
         }
-        account.steps = self.clock.step;
-        account.end_time = self.clock.time;
         account.stages = std::mem::take(&mut self.stages);
         account.stages.splice(1..2, self.solver.stages());
         account.energies = self.solver.energies(&self.model);
@@ -242,10 +209,39 @@ impl Analysis {
             return Ok(());
         }
         if let Some(recorder) = recorder {
-            recorder.finish(account, self.solver.account(&self.model))?;
+            let mut head = self.solver.account(&self.model);
+            let errors = self.results().errors;
+            if !errors.is_empty() {
+                head.insert("errors".into(), errors.into());
+            }
+            recorder.finish(account, head)?;
         }
         // A run that is done cannot be resumed.
         Ok(self.restart.as_mut().map_or(Ok(()), Restart::clear)?)
+    }
+
+    /// Processes on parts of the grid that no body has reached; not told of a run that was resumed, which
+    /// does not know what was reached before.
+    fn unreached(&self) -> Vec<String> {
+        let Some((root, reached)) = self.solver.reached(&self.model).filter(|_| !self.resumed) else {
+            return Vec::new();
+        };
+        let mut told: Vec<String> = Vec::new();
+        for (_, group) in self.project.child("processes").map_or(Vec::new(), |processes| processes.members()) {
+            let parts =
+                group.entries().into_iter().filter_map(|block| block.child("Parameters")?.child("model_part_name"));
+            for part in parts {
+                let path = part.value().as_str().unwrap_or_default();
+                let members = self.model.members(path).filter(|members| members.root == root && path != root);
+                let idle = |nodes: &[u32]| !nodes.is_empty() && nodes.iter().all(|node| !reached[*node as usize]);
+                if members.is_some_and(|members| idle(&members.nodes)) {
+                    let message =
+                        format!("no body has reached the nodes of {path} in this run: what acts there had no effect");
+                    told.push(part.warning(message).to_string());
+                }
+            }
+        }
+        told
     }
 
     /// The checkpoint to go on from, if any; else those of earlier runs are removed.
@@ -347,17 +343,10 @@ impl Analysis {
         account.start_loop();
         while self.clock.time < self.clock.end {
             let step = self.solver.time_step(&self.model, &self.clock)?;
-            self.clock.step += 1;
-            self.clock.time_step = step;
-            self.clock.time += step;
-            self.clock.load_time = self.clock.time - (1.0 - self.solver.load_time()) * step;
-            self.all(0, |process, context| process.execute_initialize_solution_step(context))?;
-            let begin = Instant::now();
-            let mut context = Context { model: &mut self.model, clock: &self.clock, options: &self.options };
-            self.solver.predict(&mut context)?;
-            let report = self.solver.solve_solution_step(&mut context)?;
-            self.solver.finalize_solution_step(&mut context)?;
-            self.stages[1].1 += begin.elapsed();
+            let report = self.take_step(step)?;
+            if self.first_stable.is_none() {
+                self.first_stable = self.solver.stable_time_step(&self.model);
+            }
             self.all(0, |process, context| process.execute_finalize_solution_step(context))?;
             self.print()?;
             account.step(&self.clock, &report);
@@ -410,25 +399,4 @@ impl Analysis {
         }
         Ok(())
     }
-}
-
-/// Refuses steps so small that the loop would not end: at the end of the run a step must still
-/// change the time, and so it does before.
-fn check_time_step(
-    solver: &mut dyn Solver,
-    model: &Model,
-    clock: &Clock,
-    project: &Project,
-) -> Result<(), InputErrors> {
-    for time in [clock.start, clock.end] {
-        if let Err(error) = solver.time_step(model, &Clock { time, ..*clock }) {
-            let place = project.solver.child("time_stepping").unwrap_or_else(|| project.solver.clone());
-            return Err(match error {
-                Error::Input(errors) => errors,
-                Error::Failure(failure) => place.error(&failure.report().what).help(&failure.report().advice).into(),
-                other => place.error(other.to_string()).into(),
-            });
-        }
-    }
-    Ok(())
 }

@@ -20,10 +20,11 @@ use crate::model::Model;
 use crate::parameters::Parameters;
 use crate::registry::Provider;
 use crate::variables::Variable;
+use serde_json::{Map, Value};
 use std::path::{Path, PathBuf};
 
 /// Step and time of the analysis.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Clock {
     /// Steps done or being done; 0 before the loop.
     pub step: usize,
@@ -37,6 +38,14 @@ pub struct Clock {
     pub start: f64,
     /// The loop runs while the time is below this one, in seconds.
     pub end: f64,
+    /// Share of the given step that is being taken: below 1 in pieces of a step that was cut.
+    pub share: f64,
+}
+
+impl Default for Clock {
+    fn default() -> Self {
+        Self { step: 0, time: 0.0, time_step: 0.0, load_time: 0.0, start: 0.0, end: 0.0, share: 1.0 }
+    }
 }
 
 /// Choices of a run that do not stand in the project.
@@ -103,6 +112,8 @@ pub struct Requirements {
     pub variables: Vec<Wanted>,
     /// Kinetic, strain and potential energy.
     pub energies: bool,
+    /// Positions of points at the start of the run.
+    pub initial_positions: bool,
     /// Everything that the account of a run (`--record`) holds.
     pub record: bool,
     /// Nodal variables that processes write.
@@ -163,7 +174,7 @@ impl Requirements {
     pub fn write(&mut self, path: &Path, place: &Parameters) {
         if self.written.iter().any(|other| other == path) {
             let message = format!("another process writes {}, too", path.display());
-            self.faults.push(place.error(message).help("name another file in \"output_file_settings\""));
+            self.faults.push(place.error(message).help("give one of them another name or folder"));
         }
         self.written.push(path.to_path_buf());
     }
@@ -171,6 +182,26 @@ impl Requirements {
     /// True when a variable is wanted at a location.
     pub fn wants(&self, location: Location, variable: &str) -> bool {
         self.variables.iter().any(|w| w.location == location && w.variable == variable)
+    }
+}
+
+/// What processes have found, for the summary of a run (`--summary`).
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Results {
+    /// Errors by label.
+    pub errors: Map<String, Value>,
+    /// Measured values: by table, column, and `first`, `last`, `smallest` or `largest`.
+    pub values: Map<String, Value>,
+}
+
+impl Results {
+    /// Adds the values of a table, by the name of its file without the extension.
+    pub fn add_table(&mut self, path: &Path, extremes: &measure::Extremes) {
+        let name = path.file_stem().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        let values = extremes.values();
+        if !values.is_empty() {
+            self.values.insert(name, values.into());
+        }
     }
 }
 
@@ -259,6 +290,9 @@ pub trait Process: Send {
     fn exchange_state(&mut self, archive: &mut Archive) -> Result<(), CheckpointError> {
         Err(CheckpointError::Unsupported(format!("the process {:?}", self.name())))
     }
+
+    /// Adds what the process has found to the summary of the run.
+    fn results(&self, results: &mut Results) {}
 
     /// Files written so far, for the summary.
     fn files(&self) -> Vec<PathBuf> {

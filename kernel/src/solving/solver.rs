@@ -1,6 +1,7 @@
 //! The solver of an application, as the analysis drives it.
 
 use super::StepReport;
+use super::newton::OnNoConvergence;
 use crate::analysis::FAILED_STATE;
 use crate::diagnostic::InputErrors;
 use crate::error::Error;
@@ -21,8 +22,23 @@ pub struct Inventory {
     pub lines: Vec<(String, String)>,
     /// Columns that the solver can have.
     pub columns: Vec<ColumnUse>,
+    /// How many cells, nodes, points and unknowns.
+    pub counts: Counts,
     /// Suspicious but legal facts.
     pub warnings: Vec<String>,
+}
+
+/// Sizes of a scene as numbers; 0 where there is no such thing.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Cells of the mesh.
+    pub cells: usize,
+    /// Nodes of the mesh.
+    pub nodes: usize,
+    /// Material points, or points where a law is evaluated.
+    pub points: usize,
+    /// Unknowns of a step.
+    pub unknowns: usize,
 }
 
 /// A column of numbers that a scene has, or does without.
@@ -82,10 +98,22 @@ pub trait Solver: Send {
     /// A step that is not positive.
     fn time_step(&mut self, model: &Model, clock: &Clock) -> Result<f64, Error>;
 
+    /// The largest step that is stable now, in seconds, where the scheme has a limit that is known.
+    #[allow(unused_variables)]
+    fn stable_time_step(&self, model: &Model) -> Option<f64> {
+        None
+    }
+
     /// Whether [`time_step`](Self::time_step) depends on the time alone, so that the number of steps
     /// can be told before the run.
     fn plans_steps(&self) -> bool {
         true
+    }
+
+    /// What becomes of a step that does not converge. A step that is cut starts again from what
+    /// [`exchange_state`](Self::exchange_state) kept.
+    fn on_no_convergence(&self) -> OnNoConvergence {
+        OnNoConvergence::Continue
     }
 
     /// When in a step loads act, as a share of it: at its end, unless the scheme takes forces earlier.
@@ -115,6 +143,13 @@ pub trait Solver: Send {
     #[allow(unused_variables)]
     fn remarks(&self, model: &Model) -> Vec<String> {
         Vec::new()
+    }
+
+    /// The root part on which bodies move, and which of its nodes they have reached so far; none where bodies
+    /// are meshes.
+    #[allow(unused_variables)]
+    fn reached(&self, model: &Model) -> Option<(&'static str, Vec<bool>)> {
+        None
     }
 
     /// Fixed facts for the account of a run (`n_mp`, `laws`, …).

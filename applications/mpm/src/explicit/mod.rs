@@ -322,6 +322,11 @@ impl Solver for Explicit {
         Ok(step)
     }
 
+    fn stable_time_step(&self, _: &Model) -> Option<f64> {
+        let stable = self.limits.stable_step();
+        (!self.active.cells.is_empty() && stable.is_finite()).then_some(stable)
+    }
+
     fn plans_steps(&self) -> bool {
         !matches!(self.scene.settings.stepping, Stepping::Courant(_))
     }
@@ -375,6 +380,10 @@ impl Solver for Explicit {
 
     fn remarks(&self, model: &Model) -> Vec<String> {
         crate::inventory::remarks(model)
+    }
+
+    fn reached(&self, model: &Model) -> Option<(&'static str, Vec<bool>)> {
+        Some((GRID, self.active.reached_nodes(model.part(GRID)?)))
     }
 
     fn account(&self, model: &Model) -> serde_json::Map<String, serde_json::Value> {
