@@ -53,7 +53,7 @@ pub fn convert(arguments: &ConvertArguments, registry: &Registry) -> ExitCode {
     errors.absorb(Format::of(from));
     errors.absorb(Format::of(to));
     if let Err(errors) = errors.or(()) {
-        return input(&errors);
+        return ExitCode::from(input(&errors));
     }
     if to.exists() && !arguments.force {
         complain!("error: {} is there already; --force replaces it", to.display());
@@ -63,7 +63,7 @@ pub fn convert(arguments: &ConvertArguments, registry: &Registry) -> ExitCode {
         .and_then(|part| convert::write(&part, to, &options).map(|written| (part, written)));
     let (part, written) = match converted {
         Ok(converted) => converted,
-        Err(errors) => return input(&errors),
+        Err(errors) => return ExitCode::from(input(&errors)),
     };
     say!(
         "{}: {} nodes, {} elements, {} conditions, {} geometries, {} sub model parts; {} bytes",
