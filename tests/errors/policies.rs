@@ -77,7 +77,7 @@ fn erased_points_are_named_with_their_mass() {
             assert_eq!(code, Some(0), "{words}");
             let (count, lost) = (record["lost_points"].as_u64().unwrap(), record["lost_mass"].as_f64().unwrap());
             let ids: Vec<u64> = record["lost_ids"].as_array().unwrap().iter().map(|id| id.as_u64().unwrap()).collect();
-            assert!(count >= 4 && count < 16 && ids.len() as u64 == count, "{count} {ids:?}");
+            assert!((4..16).contains(&count) && ids.len() as u64 == count, "{count} {ids:?}");
             assert!((lost - 15.625 * count as f64).abs() < 1e-9, "{lost}");
             let kept: f64 = column(&record, "MP_MASS").iter().map(|row| row[0]).sum();
             assert!((kept + lost - 250.0).abs() < 1e-9, "{kept} {lost}");
