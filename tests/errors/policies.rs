@@ -216,6 +216,28 @@ fn a_piece_of_a_step_has_its_share_of_the_imposed_motion() {
     assert_eq!(column(&cut.record, "MP_COORD"), column(&short.record, "MP_COORD"));
 }
 
+/// One process holds the floor until a time inside of a step, another one from there on, whichever of them
+/// acts first: the body stays on the floor.
+#[test]
+fn what_is_held_changes_between_the_pieces_of_a_step() {
+    let held = |first: &str, second: &str| {
+        let scene = hard("\"on_no_convergence\": \"cut_step\"", "0.01}");
+        let text = scene.text(PROJECT);
+        let begin = text.find("[{\n            \"python_module\": \"assign_vector").unwrap();
+        let block = &text[begin + 1..begin + text[begin..].find("}],").unwrap() + 1];
+        let within = |interval: &str| block.replace("[0.0, \"End\"]", interval);
+        let both = text.replace(block, &format!("{}, {}", within(first), within(second)));
+        run(&scene.write(PROJECT, both))
+    };
+    let (before, after) = ("[0.0, 0.007]", "[0.007, \"End\"]");
+    let (one, other) = (held(before, after), held(after, before));
+    assert_eq!((one.code, other.code), (Some(0), Some(0)), "{}\n{}", one.words, other.words);
+    let whole = run(&hard("\"on_no_convergence\": \"cut_step\"", "0.01}"));
+    for run in [one, other] {
+        assert_eq!(column(&run.record, "MP_COORD"), column(&whole.record, "MP_COORD"));
+    }
+}
+
 #[test]
 fn parts_that_no_body_has_reached_are_told() {
     let body = mesh("MPMUpdatedLagrangian2D4N", 100, 2, [0.25, 0.5], 0.25) + &part("Cube", 101..=109, 101..=104);
