@@ -10,7 +10,7 @@ mod summary;
 
 pub use account::{Account, RecordPlan, number, peak_memory_mb};
 pub use project::Project;
-pub use schema::project_schema;
+pub use schema::{project_keys, project_schema};
 
 use crate::diagnostic::{Diagnostic, Place};
 use crate::error::{Error, Failure};
@@ -80,6 +80,11 @@ impl Analysis {
     /// Names of the processes, in the order in which they act.
     pub fn pipeline(&self) -> Vec<&str> {
         self.processes.iter().map(|process| process.name()).collect()
+    }
+
+    /// The model parts with their values, as they are now.
+    pub fn model(&self) -> &Model {
+        &self.model
     }
 
     /// The solver.

@@ -14,7 +14,7 @@ const BOX: &[Key] = &[
     Key::required("min", Kind::Vector3, "lowest corner [m]"),
     Key::required("max", Kind::Vector3, "highest corner [m]"),
 ];
-const PART: &[Key] = &[
+pub(super) const PART: &[Key] = &[
     Key::required("name", Kind::Text, "name of the sub model part"),
     Key::optional("side", Kind::Any, "min_x, max_x, …, or boundary for all of it; one or a list"),
     Key::optional("box", Kind::Object(BOX), "takes the nodes in this box, its surface included"),
