@@ -50,6 +50,8 @@ enum Command {
     Explain(run::ExplainArguments),
     /// Run a family of projects and report their errors against their run times
     Study(study::StudyArguments),
+    /// Run scenes by all methods that can, and report which stay stable
+    Survey(study::StudyArguments),
     /// Write a project to begin with
     New(new::NewArguments),
     /// List all solvers, processes, modelers, laws and variables, or show one
@@ -96,6 +98,7 @@ fn main() -> ExitCode {
         Command::Check(arguments) => run::check(&arguments, &registry()),
         Command::Explain(arguments) => run::explain(&arguments, &registry()),
         Command::Study(arguments) => study::study(&arguments),
+        Command::Survey(arguments) => study::survey(&arguments),
         Command::New(arguments) => new::new(&arguments),
         Command::Info(arguments) => info::info(&arguments, &registry()),
         Command::Convert(arguments) => convert::convert(&arguments, &registry()),

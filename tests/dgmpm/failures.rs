@@ -48,6 +48,18 @@ fn a_bar_without_waves_stops_and_tells_where() {
     }
 }
 
+/// Linear laws answer any deformation: what grows without bound must stop the run all the same.
+#[test]
+fn an_unstable_linear_run_stops() {
+    let mut scene = plane(1).solver(json!({"time_stepping": {"time_step": 0.05}, "strain": "small"}));
+    scene.end_time = 100.0;
+    let (code, said) = scene.with(velocity("Background_Grid", json!(["x*x", 0.0, 0.0]))).ask(&["run", "--quiet"]);
+    assert_eq!(code, Some(3), "{said}");
+    for part in ["the velocity is not finite", "element ", "\"auto\"", "the state was saved to"] {
+        assert!(said.contains(part), "{part:?} is not in\n{said}");
+    }
+}
+
 #[test]
 fn a_step_above_the_stable_one_is_told_with_both_figures() {
     let start = velocity("Background_Grid", json!(["x", 0.0, 0.0]));

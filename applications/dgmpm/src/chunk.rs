@@ -54,8 +54,19 @@ pub struct Stop<const D: usize> {
     pub cell: usize,
     /// Displacement gradient there.
     pub gradient: Matrix<D>,
-    /// The law's reason; none where waves have no speed.
-    pub reason: Option<LawError>,
+    /// Why.
+    pub reason: Reason,
+}
+
+/// What has gone wrong in a cell.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Reason {
+    /// The law has no answer.
+    Law(LawError),
+    /// Waves have no speed.
+    NoWaveSpeed,
+    /// A velocity is not finite.
+    NotFinite,
 }
 
 /// A chunk of cells of one material and one number of points a cell.
@@ -205,7 +216,13 @@ impl<const D: usize> Chunk<D> {
         if let Err((place, reason)) = answered {
             let count = values.velocity.len() / self.kinds.len();
             let gradient = values.gradient[place];
-            self.stop = Some(Stop { cell: self.first + place / count, gradient, reason: Some(reason) });
+            self.stop = Some(Stop { cell: self.first + place / count, gradient, reason: Reason::Law(reason) });
+        }
+        // Linear laws answer anything, and what is not finite spreads through the body without a word.
+        if material.law.is_none() && site == Site::Points && !all_finite(&values.velocity) {
+            let place = values.velocity.iter().position(|v| v.iter().any(|x| !x.is_finite())).unwrap_or(0);
+            let cell = self.first + place / (values.velocity.len() / self.kinds.len()).max(1);
+            self.stop = Some(Stop { cell, gradient: values.gradient[place], reason: Reason::NotFinite });
         }
         self.put(site, values);
         self.trace(shared, site, traces);
@@ -253,6 +270,7 @@ impl<const D: usize> Chunk<D> {
             let slots = &mut impedances[local * 2 * D..(local + 1) * 2 * D];
             let mut speeds = [0.0; FACES];
             if let Err(reason) = cell_impedances(kind, material, &mean, slots, &mut speeds) {
+                let reason = reason.map_or(Reason::NoWaveSpeed, Reason::Law);
                 self.stop = Some(Stop { cell: self.first + local, gradient: mean, reason });
                 break;
             }
@@ -380,4 +398,11 @@ fn advance_target<const D: usize>(
         }
     }
     (velocity, gradient)
+}
+
+/// Whether no exponent is that of infinity; without branches, so that it costs next to nothing.
+fn all_finite<const D: usize>(vectors: &[Vector<D>]) -> bool {
+    const EXPONENT: u32 = 0x7ff0_0000;
+    let high = vectors.as_flattened().iter().map(|x| (x.to_bits() >> 32) as u32);
+    high.fold(0, |count, high| count + u32::from(high & EXPONENT == EXPONENT)) == 0
 }

@@ -1,4 +1,4 @@
-//! Named parts of a mesh: its sides, the nodes in a box, its whole boundary; with conditions.
+//! Named parts of a mesh: its sides, the nodes and cells in a box, its whole boundary; with conditions.
 
 use super::mesh::{Mesh, face_shape};
 use super::reading::{AXES, cell_name, part_name};
@@ -18,6 +18,7 @@ pub(super) const PART: &[Key] = &[
     Key::required("name", Kind::Text, "name of the sub model part"),
     Key::optional("side", Kind::Any, "min_x, max_x, …, or boundary for all of it; one or a list"),
     Key::optional("box", Kind::Object(BOX), "takes the nodes in this box, its surface included"),
+    Key::new("elements", Kind::Bool, "false", "of a box: takes the cells that lie wholly in it, too"),
     Key::optional(
         "conditions",
         Kind::Text,
@@ -52,6 +53,7 @@ pub(super) struct NamedPart {
     choice: Choice,
     condition: Option<(String, Shape)>,
     inward: bool,
+    elements: bool,
     settings: Settings,
 }
 
@@ -67,8 +69,11 @@ pub(super) fn read(list: &Parameters, shape: Shape, registry: &Registry) -> Resu
         let choice = errors.absorb(choice(&settings, shape.dimension()));
         let condition = errors.absorb(condition(&settings, shape, registry)).flatten();
         if let Some(choice) = choice {
-            let inward = settings.text("orientation") == "inward";
-            parts.push(NamedPart { name, choice, condition, inward, settings });
+            let (inward, elements) = (settings.text("orientation") == "inward", settings.flag("elements"));
+            if elements && !matches!(choice, Choice::Box(..)) {
+                errors.push(settings.error("elements", "is true, but the part has no \"box\""));
+            }
+            parts.push(NamedPart { name, choice, condition, inward, elements, settings });
         }
     }
     errors.or(parts)
@@ -133,9 +138,14 @@ fn condition(settings: &Settings, shape: Shape, registry: &Registry) -> Result<O
 }
 
 impl NamedPart {
-    /// Finds the part's nodes in `mesh` and adds its conditions to `root`, where the mesh's nodes
-    /// begin at `first_node`.
-    pub fn add(&self, mesh: &Mesh, first_node: u32, root: &mut ModelPart) -> Result<SubModelPart, InputErrors> {
+    /// Finds the part's nodes and cells in `mesh` and adds its conditions to `root`, where those of the
+    /// mesh begin at these.
+    pub fn add(
+        &self,
+        mesh: &Mesh,
+        (first_node, first_cell): (u32, u32),
+        root: &mut ModelPart,
+    ) -> Result<SubModelPart, InputErrors> {
         let (low, high) = mesh.bounds();
         let margin = MARGIN * (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
         let on_side = |node: u32, (axis, upper): (usize, bool)| {
@@ -176,6 +186,13 @@ impl NamedPart {
         }
         let mut part = SubModelPart { name: self.name.clone(), ..SubModelPart::default() };
         part.nodes = nodes.iter().map(|node| first_node + node).collect();
+        if self.elements {
+            let cells = (0..mesh.len()).filter(|&cell| holds(mesh.cell(cell)));
+            part.elements = cells.map(|cell| first_cell + cell as u32).collect();
+            if part.elements.is_empty() {
+                return Err(self.empty("holds no whole cell", mesh));
+            }
+        }
         if let Some((name, shape)) = &self.condition {
             let cells: Vec<Vec<u32>> = if has_faces { faces } else { nodes.iter().map(|&node| vec![node]).collect() };
             if cells.is_empty() {

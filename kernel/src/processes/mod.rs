@@ -249,6 +249,12 @@ pub trait Process: Send {
         Ok(())
     }
 
+    /// Between the pieces of a step that is cut, each of which begins with the hook above: gives up what holds
+    /// for a piece alone, such as fixed values. What is shown at the end of a step is not shown here.
+    fn execute_between_pieces(&mut self, context: &mut Context) -> Result<(), Error> {
+        Ok(())
+    }
+
     /// At the end of each step.
     fn execute_finalize_solution_step(&mut self, context: &mut Context) -> Result<(), Error> {
         Ok(())

@@ -204,7 +204,10 @@ impl Bound {
             },
         };
         let what = if self.text.is_empty() { self.quantity.clone() } else { self.text.clone() };
-        let bounds = [self.min.map(|min| format!("≥ {}", shown(Some(min)))), self.max.map(|max| format!("≤ {}", shown(Some(max))))];
+        let bounds = [
+            self.min.map(|min| format!("≥ {}", shown(Some(min)))),
+            self.max.map(|max| format!("≤ {}", shown(Some(max)))),
+        ];
         let wanted = bounds.into_iter().flatten().collect::<Vec<_>>().join(", ");
         Finding { verdict, what, number, wanted }
     }

@@ -80,7 +80,17 @@ fn sides_and_boxes_hold_the_right_nodes() {
     assert_eq!(part.find("Walls").unwrap().nodes, [0, 6, 7, 13, 14, 20, 21, 27]);
     assert_eq!(part.find("Clamp").unwrap().nodes, [9, 10, 11, 16, 17, 18]);
     assert_eq!(part.find("All").unwrap().nodes.len(), 18);
+    assert!(part.find("Clamp").unwrap().elements.is_empty());
     assert!(part.conditions.is_empty());
+}
+
+#[test]
+fn boxes_hold_whole_cells_if_asked() {
+    let part = grid(json!({"min": [0, 0, 0], "max": [4, 2, 0], "cell_size": 1.0, "parts": [
+        {"name": "Left", "box": {"min": [0, 0, 0], "max": [2, 2, 0]}, "elements": true},
+        {"name": "Middle", "box": {"min": [0.5, 0, 0], "max": [3, 1.5, 0]}, "elements": true}]}));
+    assert_eq!(part.find("Left").unwrap().elements, [0, 1, 4, 5]);
+    assert_eq!(part.find("Middle").unwrap().elements, [1, 2]);
 }
 
 /// A grid one cell wide: the floor's faces have all nodes on the walls, yet are no wall.
