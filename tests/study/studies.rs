@@ -90,6 +90,21 @@ fn a_study_reports_errors_orders_times_and_troubles() {
     assert!(!page.contains("://") || page.matches("://").count() == page.matches("http://www.w3.org/2000/svg").count());
 }
 
+/// An error may be made of any numbers of the summary.
+#[test]
+fn an_error_may_be_a_difference() {
+    let folder = TempDir::new().unwrap();
+    let mut tiny = study(1);
+    tiny["variants"].as_array_mut().unwrap().truncate(2);
+    tiny["error"] = json!({"quantity": "/steps", "minus": "/cells", "over": 2});
+    write(folder.path(), &tiny);
+    assert!(bia(folder.path(), &["study", "study.json", "--quiet"]).status.success());
+    for run in read(&folder.path().join("study_results/results.json"))["runs"].as_array().unwrap() {
+        let number = |pointer: &str| run["summary"].pointer(pointer).and_then(Value::as_f64).unwrap();
+        assert_eq!(run["error"].as_f64().unwrap(), ((number("/steps") - number("/cells")) / 2.0).abs());
+    }
+}
+
 /// What is done is not done again, unless its inputs have changed.
 #[test]
 fn finished_runs_are_kept() {
@@ -144,6 +159,37 @@ fn a_killed_study_goes_on() {
     assert_eq!(left.filter(|name| name.starts_with("unfinished_") || name.starts_with('.')).count(), 0);
 }
 
+/// No run outlives its study.
+#[cfg(target_os = "linux")]
+#[test]
+fn runs_end_with_a_killed_study() {
+    let folder = TempDir::new().unwrap();
+    let mut long = study(1);
+    long["variants"] = json!([{"label": "long", "project": "mpm.json", "set": {"/problem_data/end_time": 1e6}}]);
+    long["sweep"] = json!([{"label": "only"}]);
+    write(folder.path(), &long);
+    let mut command = Command::new(env!("CARGO_BIN_EXE_bia"));
+    let results = folder.path().join("results").to_string_lossy().into_owned();
+    command.current_dir(folder.path()).args(["study", "study.json", "--quiet", "--output", &results]);
+    let mut child = command.spawn().unwrap();
+    let runs = || {
+        let of = |entry: std::fs::DirEntry| std::fs::read(entry.path().join("cmdline")).ok();
+        let lines = std::fs::read_dir("/proc").into_iter().flatten().flatten().filter_map(of);
+        lines.filter(|line| text(line).contains("--end-with-input") && text(line).contains(&results)).count()
+    };
+    let begin = Instant::now();
+    let wait_for = |count: usize| {
+        while runs() != count {
+            assert!(begin.elapsed() < Duration::from_secs(20), "never {count} runs");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    };
+    wait_for(1);
+    child.kill().unwrap();
+    child.wait().unwrap();
+    wait_for(0);
+}
+
 /// A run that takes too long is ended, and told so; with more time it is run again.
 #[test]
 fn a_run_without_end_is_ended() {
@@ -177,6 +223,8 @@ fn wrong_studies_are_told_as_wrong_projects_are() {
         (with("repetitons", json!(3)), "did you mean \"repetitions\"?"),
         (with("repetitions", json!(0)), "a whole number of at least 1"),
         (with("variants", json!([])), "names no variant"),
+        (with("error", json!({"quantity": "errors"})), "looks at nothing"),
+        (with("error", json!({"quantity": "/steps", "minus": "x"})), "must be a number, or a JSON pointer"),
         (with("wanted_errors", json!([-1])), "must be a number above 0"),
         (variant(json!({"project": "mpn.json"})), "mpm.json"),
         (variant(json!({"label": "FEM"})), "another variant is called \"FEM\", too"),

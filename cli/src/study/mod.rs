@@ -8,6 +8,7 @@ mod machine;
 mod outcome;
 mod page;
 mod plan;
+mod quantity;
 mod report;
 mod runner;
 mod store;
@@ -39,7 +40,7 @@ pub struct StudyArguments {
     /// Folder for the report and for what finished runs left (default: beside the study, NAME_results)
     #[arg(long, value_name = "DIR")]
     output: Option<PathBuf>,
-    /// Write the page here, too
+    /// Write the page here, too, and its first figure beside it as SVG
     #[arg(long, value_name = "FILE")]
     html: Option<PathBuf>,
     /// Check the study and all its projects' changes, and show the commands; run nothing
@@ -145,8 +146,14 @@ fn run_job<J: Job>(arguments: &StudyArguments, job: &J, folder: &Path, signal: &
     let outcomes: Vec<Outcome> = left.into_iter().map(Outcome::new).collect();
     let missing = outcomes.iter().filter(|outcome| !outcome.is_done()).count();
     let mut files = job.report(outcomes, folder);
-    let page = files.first().map(|(_, page)| page.clone());
-    files.extend(arguments.html.clone().zip(page));
+    let shipped = arguments.html.iter().flat_map(|html| {
+        let first = |extension: &str| files.iter().find(|(path, _)| path.extension().is_some_and(|e| e == extension));
+        ["html", "svg"].into_iter().filter_map(move |extension| {
+            first(extension).map(|(_, text)| (html.with_extension(extension), text.clone()))
+        })
+    });
+    let shipped: Vec<_> = shipped.collect();
+    files.extend(shipped);
     write_all(&files)?;
     if !arguments.quiet {
         let runs = outcome_line(cases.len(), missing);

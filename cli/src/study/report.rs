@@ -32,7 +32,7 @@ impl<'a> Report<'a> {
     }
 
     fn error(&self, outcome: &Outcome) -> Option<f64> {
-        if outcome.is_done() { outcome.number(&self.study.error) } else { None }
+        if outcome.is_done() { self.study.error.value(outcome) } else { None }
     }
 
     fn rows(&self) -> Vec<Row<'_>> {
@@ -252,7 +252,7 @@ impl<'a> Report<'a> {
         let places = self.places(&rows);
         let best = pareto(&places.iter().map(|(cpu, error, _)| (*cpu, *error)).collect::<Vec<_>>());
         json!({
-            "title": self.study.title, "error": self.study.error, "machine": self.machine,
+            "title": self.study.title, "error": self.study.error.pointer, "machine": self.machine,
             "runs": rows.iter().map(run).collect::<Vec<_>>(),
             "pareto": best.iter().map(|index| places[*index].2.entry.case.name.as_str()).collect::<Vec<_>>(),
         })

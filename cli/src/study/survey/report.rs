@@ -112,7 +112,7 @@ impl<'a> Report<'a> {
     fn matrix(&self) -> String {
         let mut head = vec!["scene"];
         head.extend(self.survey.methods.iter().map(|(label, _)| label.as_str()));
-        let mut table = Table::new(&head);
+        let mut table = Table::new(&head).of_texts();
         for scene in &self.survey.scenes {
             let (id, title) = (escaped(&scene.id), escaped(&scene.title));
             let mut row = format!(
@@ -146,7 +146,8 @@ impl<'a> Report<'a> {
     fn scene(&self, scene: &Scene) -> String {
         let (id, title) = (escaped(&scene.id), escaped(&scene.title));
         let mut out = format!("<h3 id=\"{id}\">{id}: {title}</h3>\n{}", paragraphs(&scene.text, ""));
-        let mut table = Table::new(&["method", "result", "criterion", "found", "wanted", "steps", "CPU [s]"]);
+        let mut table =
+            Table::new(&["method", "result", "criterion", "found", "wanted", "steps", "CPU [s]"]).of_texts();
         let mut notes = String::new();
         for ((label, _), run) in self.survey.methods.iter().zip(&scene.runs) {
             let Some(run) = run else { continue };
@@ -159,7 +160,7 @@ impl<'a> Report<'a> {
             let steps = counted(outcome.and_then(|outcome| outcome.number("/steps")));
             let cpu = shown(outcome.and_then(Outcome::cpu).map(|cpu| cpu.median));
             if cell.findings.is_empty() {
-                let reason = format!("<span class=\"text\">{}</span>", escaped(&cell.reason));
+                let reason = escaped(&cell.reason);
                 table.row(&[escaped(label), verdict, reason, String::new(), String::new(), steps, cpu]);
             } else {
                 for (index, finding) in cell.findings.iter().enumerate() {
@@ -191,7 +192,8 @@ impl<'a> Report<'a> {
     /// What each run of a scene used, and did without, beside the fullest one.
     fn left_out(&self, scene: &Scene) -> String {
         let mut table =
-            Table::new(&["method", "columns", "left out", "unknowns", "stages", "bytes a point", "memory [MB]"]);
+            Table::new(&["method", "columns", "left out", "unknowns", "stages", "bytes a point", "memory [MB]"])
+                .of_texts();
         let mut any = false;
         let mut row = |label: &str, outcome: &Outcome| {
             let names = |pointer: &str, key: Option<&str>| -> String {
