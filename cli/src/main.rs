@@ -6,6 +6,7 @@ mod progress;
 mod report;
 mod run;
 mod signal;
+mod summary;
 
 use bia_kernel::registry::Registry;
 use clap::{Args, Parser, Subcommand};

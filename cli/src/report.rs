@@ -12,7 +12,6 @@ use serde_json::json;
 use std::fmt::Arguments;
 use std::io::{IsTerminal, Write};
 use std::path::Path;
-use std::process::ExitCode;
 
 /// A line to standard output. A reader that has gone away (`bia check P.json | head -1`) is no
 /// reason to stop.
@@ -49,7 +48,7 @@ pub fn start_log(quiet: bool) {
 }
 
 /// Shows faults of the input with the lines they stand in; exit code 2.
-pub fn input(errors: &InputErrors) -> ExitCode {
+pub fn input(errors: &InputErrors) -> u8 {
     let theme = if std::io::stderr().is_terminal() { GraphicalTheme::unicode() } else { GraphicalTheme::none() };
     let handler = GraphicalReportHandler::new_themed(theme).with_context_lines(1).with_links(false);
     for diagnostic in &errors.0 {
@@ -73,7 +72,7 @@ pub fn input(errors: &InputErrors) -> ExitCode {
     }
     let count = errors.0.iter().filter(|d| d.severity == Severity::Error).count();
     complain!("{} in the input; nothing was run or written.", counted(count, "error"));
-    ExitCode::from(2)
+    2
 }
 
 /// Adds the line of the place and its neighbours; of a long line only the part around the column.
@@ -134,13 +133,13 @@ fn counted(count: usize, what: &str) -> String {
 }
 
 /// Shows why a run stopped; exit code 3, or 1 for a check process, or 2 for a file.
-pub fn failure(error: &Error) -> ExitCode {
+pub fn failure(error: &Error) -> u8 {
     complain!("error: {error}");
-    ExitCode::from(match error {
+    match error {
         Error::Check(_) => 1,
         Error::Failure(_) => 3,
         Error::Input(_) | Error::Write { .. } | Error::Checkpoint(_) => 2,
-    })
+    }
 }
 
 /// Shows what the scene consists of.

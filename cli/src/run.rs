@@ -2,8 +2,8 @@
 
 use crate::progress::Progress;
 use crate::signal::Signal;
-use crate::{ProjectArguments, report};
-use bia_kernel::analysis::{Analysis, RecordPlan};
+use crate::{ProjectArguments, report, summary};
+use bia_kernel::analysis::{Account, Analysis, RecordPlan};
 use bia_kernel::diagnostic::{Diagnostic, InputErrors, Place};
 use bia_kernel::error::Error;
 use bia_kernel::parameters::Document;
@@ -34,6 +34,9 @@ pub struct RunArguments {
     /// Write an account of the run: counts, times, iterations and states, as JSON
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
+    /// Write a summary of the run, whatever its end: counts, times, memory, errors and measured values, as JSON
+    #[arg(long, value_name = "FILE")]
+    summary: Option<PathBuf>,
     /// States in the account beside the first
     #[arg(long, value_name = "N", default_value = "5")]
     record_states: NonZeroUsize,
@@ -45,43 +48,91 @@ const MOST_THREADS: usize = 1024;
 /// Runs a project.
 pub fn run(arguments: &RunArguments, registry: &Registry) -> ExitCode {
     report::start_log(arguments.quiet);
-    if let Some(threads) = arguments.threads.filter(|threads| threads.get() > MOST_THREADS) {
-        report::complain!("error: {threads} threads are more than the {MOST_THREADS} that make sense");
+    if let Some(path) = &arguments.summary
+        && let Err(message) = summary::check_place(path)
+    {
+        report::complain!("error: {message}");
         return ExitCode::from(2);
     }
-    let threads = arguments.threads.or_else(|| std::thread::available_parallelism().ok()).map_or(1, usize::from);
+    let signal = Signal::wait();
+    let (end, analysis) = match start_threads(arguments.threads) {
+        Ok(threads) => execute(arguments, threads, registry, &signal),
+        Err(message) => (End::Refused(Diagnostic::error(Place::default(), message).into()), None),
+    };
+    let code = match &end {
+        End::Done(account) => {
+            if !arguments.quiet {
+                report::summary(account);
+            }
+            if account.interrupted { signal.exit_code() } else { 0 }
+        }
+        End::Refused(errors) => report::input(errors),
+        End::Failed(error) => report::failure(error),
+    };
+    let written = arguments
+        .summary
+        .as_deref()
+        .map_or(Ok(()), |path| summary::write(path, &arguments.project.file, &end, code, analysis.as_ref()));
+    match written {
+        Ok(()) => ExitCode::from(code),
+        Err(message) => {
+            report::complain!("error: {message}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// How a run ended.
+pub enum End {
+    /// Done, or stopped by a signal after a whole step.
+    Done(Account),
+    /// The input is wrong, or its results have no place.
+    Refused(InputErrors),
+    /// It went wrong.
+    Failed(Error),
+}
+
+/// Starts the threads and returns their number.
+fn start_threads(wanted: Option<NonZeroUsize>) -> Result<usize, String> {
+    if let Some(threads) = wanted.filter(|threads| threads.get() > MOST_THREADS) {
+        return Err(format!("{threads} threads are more than the {MOST_THREADS} that make sense"));
+    }
+    let threads = wanted.or_else(|| std::thread::available_parallelism().ok()).map_or(1, usize::from);
     // This thread is one of them: what it starts, it works on too.
-    if let Err(error) = rayon::ThreadPoolBuilder::new().num_threads(threads).use_current_thread().build_global() {
-        report::complain!("error: {threads} threads cannot be started: {error}");
-        return ExitCode::from(2);
+    match rayon::ThreadPoolBuilder::new().num_threads(threads).use_current_thread().build_global() {
+        Ok(()) => Ok(threads),
+        Err(error) => Err(format!("{threads} threads cannot be started: {error}")),
     }
+}
+
+/// Prepares and runs; the analysis tells what was reached, unless the input is wrong.
+fn execute(arguments: &RunArguments, threads: usize, registry: &Registry, signal: &Signal) -> (End, Option<Analysis>) {
     let record =
         arguments.record.clone().map(|path| RecordPlan { path, states: arguments.record_states.get(), threads });
     let prepared = prepare(&arguments.project, arguments.output.as_deref(), registry, record.is_some());
     let mut analysis = match prepared {
         Ok(analysis) => analysis,
-        Err(errors) => return report::input(&errors),
+        Err(errors) => return (End::Refused(errors), None),
     };
+    if let Some(path) = arguments.summary.as_ref().filter(|path| analysis.is_input(path)) {
+        let message = format!("the summary {} would overwrite an input file", path.display());
+        return (End::Refused(Diagnostic::error(Place::default(), message).into()), None);
+    }
     if !arguments.quiet {
         report::head(&arguments.project.file, &analysis.inventory(), threads);
     }
-    let signal = Signal::wait();
     let mut progress = Progress::new(arguments.quiet, signal.clone());
     let result = match arguments.resume {
         true => analysis.resume(&mut progress, record),
         false => analysis.run(&mut progress, record),
     };
     progress.finish();
-    match result {
-        Ok(account) => {
-            if !arguments.quiet {
-                report::summary(&account);
-            }
-            if account.interrupted { ExitCode::from(signal.exit_code()) } else { ExitCode::SUCCESS }
-        }
-        Err(Error::Input(errors)) => report::input(&errors),
-        Err(error) => report::failure(&error),
-    }
+    let end = match result {
+        Ok(account) => End::Done(account),
+        Err(Error::Input(errors)) => End::Refused(errors),
+        Err(error) => End::Failed(error),
+    };
+    (end, Some(analysis))
 }
 
 /// Checks a project.
@@ -96,7 +147,7 @@ pub fn check(arguments: &ProjectArguments, registry: &Registry) -> ExitCode {
             report::say!("The input is right.");
             ExitCode::SUCCESS
         }
-        Err(errors) => report::input(&errors),
+        Err(errors) => ExitCode::from(report::input(&errors)),
     }
 }
 
@@ -118,7 +169,7 @@ pub fn explain(arguments: &ExplainArguments, registry: &Registry) -> ExitCode {
             report::plan(&arguments.project.file, &analysis, arguments.json);
             ExitCode::SUCCESS
         }
-        Err(errors) => report::input(&errors),
+        Err(errors) => ExitCode::from(report::input(&errors)),
     }
 }
 

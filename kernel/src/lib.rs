@@ -15,6 +15,7 @@ pub mod model;
 pub mod modelers;
 pub mod parameters;
 pub mod processes;
+pub mod reference;
 pub mod registry;
 pub mod solving;
 pub mod variables;

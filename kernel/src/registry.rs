@@ -149,6 +149,7 @@ impl Registry {
         crate::processes::measure::register(&mut registry);
         crate::processes::vtk::register(&mut registry);
         crate::modelers::register(&mut registry);
+        crate::reference::register(&mut registry);
         registry
     }
 

@@ -144,6 +144,7 @@ pub fn register(registry: &mut Registry) {
     let new: Vec<LawEntry> = new.collect();
     known.entries.extend(new);
     registry.kind(Kinds { title: "laws", describe });
+    crate::solutions::register(registry);
 }
 
 /// The laws of the registry's catalogue as a user asks for them.

@@ -24,6 +24,7 @@ mod newtonian;
 mod newtonian_mixed;
 mod nominal_elastic;
 mod plane_stress;
+mod solutions;
 pub mod tensor;
 pub mod verify;
 

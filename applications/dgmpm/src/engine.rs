@@ -2,6 +2,7 @@
 
 use crate::body::Body;
 use crate::faces::CHUNK;
+use crate::fields::append;
 use crate::material::Material;
 use crate::matrix::Vector;
 use crate::settings::SolverSettings;
@@ -12,7 +13,7 @@ use bia_kernel::diagnostic::InputErrors;
 use bia_kernel::error::Failure;
 use bia_kernel::geometry::{Hexahedron8, Line2, Quadrilateral4};
 use bia_kernel::io::checkpoint::{Archive, CheckpointError};
-use bia_kernel::model::{Model, ModelPart};
+use bia_kernel::model::{Model, ModelPart, PointHandle, PointPlace, PointSet};
 use bia_kernel::processes::Clock;
 use bia_kernel::variables::Variable;
 use nalgebra::Matrix3;
@@ -105,6 +106,27 @@ pub struct Points {
     pub body: Box<dyn Engine>,
     /// Variables of cells.
     pub wanted: Vec<Variable>,
+}
+
+impl PointSet for Points {
+    fn select(&self, model: &Model, part: &str) -> Option<Vec<PointHandle>> {
+        let elements = model.members(part)?.elements;
+        let points = elements.into_iter().flat_map(|element| {
+            let [first, end] = self.body.points_of(element as usize);
+            (first..end).map(|point| (0, point as u32))
+        });
+        Some(points.collect())
+    }
+
+    fn place(&self, (_, point): PointHandle) -> PointPlace {
+        let Point { initial, displacement, volume, .. } = self.body.point(point as usize);
+        let position = std::array::from_fn(|a| initial[a] + displacement[a]);
+        PointPlace { id: point + 1, position, initial, volume }
+    }
+
+    fn append(&self, (_, point): PointHandle, variable: &Variable, out: &mut Vec<f64>) {
+        append(self.body.as_ref(), point as usize, variable.name, out);
+    }
 }
 
 /// The body of a part, with its stable Courant numbers.

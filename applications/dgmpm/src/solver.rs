@@ -10,10 +10,10 @@ use bia_kernel::diagnostic::InputErrors;
 use bia_kernel::error::{Error, Failure};
 use bia_kernel::io::checkpoint::{Archive, CheckpointError};
 use bia_kernel::io::json::JsonObject;
-use bia_kernel::model::{Model, ModelPart};
+use bia_kernel::model::{Model, ModelPart, PointSet};
 use bia_kernel::processes::{Clock, Context, Location, Process, Requirements};
 use bia_kernel::registry::Registry;
-use bia_kernel::solving::solver::{ColumnUse, Inventory, Solver};
+use bia_kernel::solving::solver::{ColumnUse, Counts, Inventory, Solver};
 use bia_kernel::solving::{StepReport, Stepping};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -132,6 +132,7 @@ impl Solver for DiscontinuousGalerkin {
         })?;
         self.check_limits(&points)?;
         model.extend(points);
+        model.set_points(|model| model.extension::<Points>().map(|points| points as &dyn PointSet));
         Ok(())
     }
 
@@ -155,6 +156,11 @@ impl Solver for DiscontinuousGalerkin {
             _ => f64::INFINITY,
         };
         self.settings.stepping.step(clock, stable)
+    }
+
+    fn stable_time_step(&self, model: &Model) -> Option<f64> {
+        let stable = model.extension::<Points>().map(|points| self.stable_step(points).0);
+        stable.filter(|stable| stable.is_finite())
     }
 
     fn plans_steps(&self) -> bool {
@@ -222,6 +228,8 @@ impl Solver for DiscontinuousGalerkin {
             ("history", 0),
             ("grid fields shared by cells", 0),
         ];
+        let unknowns = 2 * points.body.kinematics().dimension() * points.body.len();
+        inventory.counts = Counts { cells, nodes: part.nodes.len(), points: points.body.len(), unknowns };
         inventory.columns = sizes.map(|(name, bytes)| ColumnUse { name, bytes }).into();
         inventory
     }

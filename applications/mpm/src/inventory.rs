@@ -12,7 +12,7 @@ use bia_constitutive::Kinematics;
 use bia_kernel::error::Error;
 use bia_kernel::io::dataset::{CellsOf, Dataset, Field, FieldData};
 use bia_kernel::model::Model;
-use bia_kernel::solving::solver::{ColumnUse, Inventory, write_failed_state};
+use bia_kernel::solving::solver::{ColumnUse, Counts, Inventory, write_failed_state};
 use bia_kernel::variables::Column;
 use std::path::{Path, PathBuf};
 
@@ -55,6 +55,8 @@ impl Scene {
         line("columns in use", columns(points, true));
         line("left out", columns(points, false));
         inventory.columns = column_uses(points);
+        let (cells, nodes) = (grid.elements.len(), grid.nodes.len());
+        inventory.counts = Counts { cells, nodes, points: points.len(), unknowns: dofs.order() };
         inventory.warnings = self.warnings(points, model);
         inventory
     }

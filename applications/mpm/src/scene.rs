@@ -14,7 +14,7 @@ use bia_constitutive::{BodyMaterial, Catalogue};
 use bia_kernel::diagnostic::{Diagnostic, InputErrors, Place};
 use bia_kernel::error::{Error, Failure};
 use bia_kernel::geometry::CellLocator;
-use bia_kernel::model::{Model, ModelPart};
+use bia_kernel::model::{Model, ModelPart, PointSet};
 use bia_kernel::processes::{Location, Requirements, RunOptions};
 use bia_kernel::registry::Registry;
 use bia_kernel::solving::ActiveDofs;
@@ -150,6 +150,7 @@ impl Scene {
         tracing::debug!("{}", locator.describe());
         (self.locator, self.space) = (Some(locator), space);
         model.extend(points);
+        model.set_points(|model| model.extension::<MaterialPoints>().map(|points| points as &dyn PointSet));
         Ok(symmetric)
     }
 
@@ -178,6 +179,9 @@ impl Scene {
                 Location::Nodes if !nodal().any(|other| other == name) => errors.push(unknown(&mut nodal())),
                 _ => {}
             }
+        }
+        if requirements.initial_positions {
+            columns.displacement = true;
         }
         if requirements.energies {
             columns = columns.or(fields::ENERGY);

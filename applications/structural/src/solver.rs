@@ -15,7 +15,7 @@ use bia_kernel::linalg::{LinearSolver, solver};
 use bia_kernel::model::{Model, ModelPart};
 use bia_kernel::processes::{Clock, Context, Location, Requirements};
 use bia_kernel::registry::Registry;
-use bia_kernel::solving::solver::{ColumnUse, Inventory, Solver};
+use bia_kernel::solving::solver::{ColumnUse, Counts, Inventory, Solver};
 use bia_kernel::solving::{ActiveDofs, StepReport, Stepping, System};
 use bia_kernel::variables::Variable;
 use std::path::{Path, PathBuf};
@@ -242,6 +242,10 @@ impl Solver for Structural {
         self.settings.stepping.step(clock, stable)
     }
 
+    fn stable_time_step(&self, _: &Model) -> Option<f64> {
+        matches!(self.settings.regime, Regime::Explicit { .. }).then(|| self.stability.last()).flatten()
+    }
+
     fn plans_steps(&self) -> bool {
         !matches!(self.settings.stepping, Stepping::Courant(_))
     }
@@ -310,6 +314,8 @@ impl Solver for Structural {
             ("lumped mass", 8 * self.state.mass.len()),
             ("law history", 8 * body.states.len()),
         ];
+        let (cells, nodes) = (part.elements.len(), part.nodes.len());
+        inventory.counts = Counts { cells, nodes, points: 0, unknowns: self.dofs.order() };
         inventory.columns = columns.map(|(name, bytes)| ColumnUse { name, bytes }).into();
         inventory
     }

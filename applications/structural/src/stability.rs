@@ -37,6 +37,11 @@ impl Stability {
         archive.count("interval", &mut self.interval)
     }
 
+    /// The last evaluation in seconds, if there was one and the body has stiffness.
+    pub fn last(&self) -> Option<f64> {
+        (self.step > 0.0 && self.step.is_finite()).then_some(self.step)
+    }
+
     /// The stable step in seconds at these displacements; infinite without stiffness.
     ///
     /// # Errors

@@ -25,6 +25,8 @@ pub struct Account {
     pub iterations: Vec<usize>,
     /// Steps whose criterion was not met.
     pub not_converged: Vec<usize>,
+    /// Smallest and largest time step, in seconds; infinite and 0 before the first.
+    pub time_steps: [f64; 2],
     /// Wall time by stage.
     pub stages: Vec<(&'static str, Duration)>,
     /// Energies at the end, in joules.
@@ -42,7 +44,8 @@ pub struct Account {
     /// Wall and CPU time of the loop before the run was resumed.
     earlier: [Duration; 2],
     begin: Instant,
-    loop_begin: (Instant, Duration),
+    /// Wall clock and CPU time when the loop began, if it has.
+    loop_begin: Option<(Instant, Duration)>,
 }
 
 impl Account {
@@ -52,6 +55,7 @@ impl Account {
             end_time: 0.0,
             iterations: Vec::new(),
             not_converged: Vec::new(),
+            time_steps: [f64::INFINITY, 0.0],
             stages: Vec::new(),
             energies: Vec::new(),
             files: Vec::new(),
@@ -61,12 +65,12 @@ impl Account {
             checkpoint: None,
             earlier: [Duration::ZERO; 2],
             begin: Instant::now(),
-            loop_begin: (Instant::now(), Duration::ZERO),
+            loop_begin: None,
         }
     }
 
     pub(super) fn start_loop(&mut self) {
-        self.loop_begin = (Instant::now(), cpu_total());
+        self.loop_begin = Some((Instant::now(), cpu_total()));
     }
 
     pub(super) fn end_loop(&mut self) {
@@ -76,13 +80,17 @@ impl Account {
     /// Wall and CPU time of the loop so far.
     fn times(&self) -> [Duration; 2] {
         let [wall, cpu] = self.earlier;
-        [wall + self.loop_begin.0.elapsed(), cpu + cpu_total().saturating_sub(self.loop_begin.1)]
+        match self.loop_begin {
+            Some((begin, spent)) => [wall + begin.elapsed(), cpu + cpu_total().saturating_sub(spent)],
+            None => [wall, cpu],
+        }
     }
 
     /// Saves or loads the account of the steps so far.
     pub(super) fn exchange(&mut self, archive: &mut Archive) -> Result<(), CheckpointError> {
         let mut times = self.times().map(|time| time.as_secs_f64());
         archive.slice("wall and CPU time", &mut times)?;
+        archive.slice("time steps", &mut self.time_steps)?;
         if archive.is_loading() {
             self.earlier = times.map(|time| Duration::try_from_secs_f64(time).unwrap_or_default());
         }
@@ -98,14 +106,23 @@ impl Account {
 
     pub(super) fn step(&mut self, clock: &Clock, report: &StepReport) {
         self.iterations.push(report.iterations);
+        let [smallest, largest] = self.time_steps;
+        self.time_steps = [smallest.min(clock.time_step), largest.max(clock.time_step)];
         if !report.converged {
             self.not_converged.push(clock.step);
         }
     }
 }
 
+impl Account {
+    /// Wall time since the run began.
+    pub(super) fn wall_total(&self) -> Duration {
+        self.begin.elapsed()
+    }
+}
+
 /// CPU time of this process so far.
-fn cpu_total() -> Duration {
+pub(super) fn cpu_total() -> Duration {
     ProcessTime::try_now().map_or(Duration::ZERO, |time| time.as_duration())
 }
 

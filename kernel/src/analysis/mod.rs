@@ -4,23 +4,25 @@ mod account;
 mod project;
 mod restart;
 mod schema;
+mod summary;
 
 pub use account::{Account, RecordPlan, number, peak_memory_mb};
 pub use project::Project;
 pub use schema::project_schema;
 
 use crate::diagnostic::{Diagnostic, InputErrors, Place};
-use crate::error::Error;
+use crate::error::{Error, Failure};
 use crate::io::checkpoint::{Archive, CheckpointError, Contents, file};
 use crate::model::Model;
 use crate::parameters::{Document, Parameters};
-use crate::processes::{Clock, Context, Process, Requirements, RunOptions};
+use crate::processes::{Clock, Context, Process, Requirements, Results, RunOptions};
 use crate::registry::Registry;
 use crate::solving::StepReport;
 use crate::solving::solver::{Inventory, Solver};
 use crate::variables::Variable;
 use account::Recorder;
 use restart::Restart;
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 /// Name of the file to which a failed run saves its state.
@@ -59,6 +61,10 @@ pub struct Analysis {
     variables: Vec<Variable>,
     warnings: Vec<String>,
     stages: Vec<(&'static str, Duration)>,
+    /// That of the last run, however it ended.
+    account: Option<Account>,
+    /// The stable time step in the first step, in seconds, where it is known.
+    first_stable: Option<f64>,
 }
 
 impl Analysis {
@@ -123,8 +129,21 @@ impl Analysis {
         check_time_step(solver.as_mut(), &model, &clock, &project)?;
         let restart = project.restart.as_ref().map(|settings| Restart::new(settings, &options.output));
         let (project, variables) = (project.root, registry.variables().to_vec());
-        let (identity, stages) = (serde_json::Value::Null, Vec::new());
-        Ok(Self { model, solver, processes, clock, options, project, restart, identity, variables, warnings, stages })
+        Ok(Self {
+            model,
+            solver,
+            processes,
+            clock,
+            options,
+            project,
+            restart,
+            identity: serde_json::Value::Null,
+            variables,
+            warnings,
+            stages: Vec::new(),
+            account: None,
+            first_stable: None,
+        })
     }
 
     /// What the scene consists of.
@@ -142,6 +161,18 @@ impl Analysis {
     /// The solver.
     pub fn solver(&self) -> &dyn Solver {
         self.solver.as_ref()
+    }
+
+    /// What the processes have found.
+    pub fn results(&self) -> Results {
+        let mut results = Results::default();
+        self.processes.iter().for_each(|process| process.results(&mut results));
+        results
+    }
+
+    /// Whether a path is a file that the project reads.
+    pub fn is_input(&self, path: &Path) -> bool {
+        self.project.is_input(path)
     }
 
     /// Steps that the run will take, if the step depends on nothing but the time.
@@ -193,28 +224,47 @@ impl Analysis {
         let _ = std::fs::remove_file(self.options.output.join(FAILED_STATE));
         let keeps = self.restart.is_some();
         let record = record.map(|plan| Recorder::new(plan, planned, &self.clock, resumes, keeps));
-        let mut recorder = record.transpose()?;
+        let recorder = record.transpose()?;
         let mut account = Account::start();
-        match self.run_loop(observer, planned, &mut recorder, &mut account, checkpoint) {
-            Ok(()) => {}
-            Err(Error::Failure(mut failure)) => {
-                failure.stamp(self.clock.step, self.clock.time);
-                failure = failure.detail(match self.solver.save_state(&self.model, &self.options.output) {
-                    Ok(files) => {
-                        let names: Vec<String> = files.iter().map(|f| f.display().to_string()).collect();
-                        format!("the state was saved to {}", names.join(", "))
-                    }
-                    Err(error) => format!("the state could not be saved: {error}"),
-                });
-                if let Some(newest) = self.restart.as_ref().and_then(|restart| restart.files.last()) {
-                    failure = failure.detail(format!("the newest checkpoint is {}", newest.display()));
-                }
-                return Err(Error::Failure(failure));
-            }
-            Err(other) => return Err(other),
+        let ended = self.go(observer, planned, recorder, &mut account, checkpoint);
+        self.account = Some(account.clone());
+        ended.map(|()| account)
+    }
+
+    /// The loop and what follows it, whatever its end.
+    fn go(
+        &mut self,
+        observer: &mut dyn Observer,
+        planned: Option<usize>,
+        mut recorder: Option<Recorder>,
+        account: &mut Account,
+        checkpoint: Option<Contents>,
+    ) -> Result<(), Error> {
+        let ended = self.run_loop(observer, planned, &mut recorder, account, checkpoint);
+        account.steps = self.clock.step;
+        account.end_time = self.clock.time;
+        account.end_loop();
+        match ended {
+            Ok(()) => self.finish(account, recorder),
+            Err(Error::Failure(failure)) => Err(Error::Failure(self.complete(failure))),
+            Err(other) => Err(other),
         }
-        self.finish(&mut account, recorder)?;
-        Ok(account)
+    }
+
+    /// Adds to a failure when it happened, and where the state was saved.
+    fn complete(&self, mut failure: Failure) -> Failure {
+        failure.stamp(self.clock.step, self.clock.time);
+        failure = failure.detail(match self.solver.save_state(&self.model, &self.options.output) {
+            Ok(files) => {
+                let names: Vec<String> = files.iter().map(|f| f.display().to_string()).collect();
+                format!("the state was saved to {}", names.join(", "))
+            }
+            Err(error) => format!("the state could not be saved: {error}"),
+        });
+        match self.restart.as_ref().and_then(|restart| restart.files.last()) {
+            Some(newest) => failure.detail(format!("the newest checkpoint is {}", newest.display())),
+            None => failure,
+        }
     }
 
     /// What is told of a run that has ended without an error.
@@ -222,8 +272,6 @@ impl Analysis {
         for remark in self.solver.remarks(&self.model) {
             tracing::warn!("{remark}");
         }
-        account.steps = self.clock.step;
-        account.end_time = self.clock.time;
         account.stages = std::mem::take(&mut self.stages);
         account.stages.splice(1..2, self.solver.stages());
         account.energies = self.solver.energies(&self.model);
@@ -236,7 +284,12 @@ impl Analysis {
             return Ok(());
         }
         if let Some(recorder) = recorder {
-            recorder.finish(account, self.solver.account(&self.model))?;
+            let mut head = self.solver.account(&self.model);
+            let errors = self.results().errors;
+            if !errors.is_empty() {
+                head.insert("errors".into(), errors.into());
+            }
+            recorder.finish(account, head)?;
         }
         // A run that is done cannot be resumed.
         Ok(self.restart.as_mut().map_or(Ok(()), Restart::clear)?)
@@ -345,6 +398,9 @@ impl Analysis {
             self.clock.time_step = step;
             self.clock.time += step;
             self.clock.load_time = self.clock.time - (1.0 - self.solver.load_time()) * step;
+            if self.first_stable.is_none() {
+                self.first_stable = self.solver.stable_time_step(&self.model);
+            }
             self.all(0, |process, context| process.execute_initialize_solution_step(context))?;
             let begin = Instant::now();
             let mut context = Context { model: &mut self.model, clock: &self.clock, options: &self.options };

@@ -8,10 +8,12 @@ mod data;
 mod exchange;
 mod order;
 mod part;
+mod points;
 mod properties;
 
 pub use order::kratos_order;
 pub use part::{Cells, ModelPart, Nodes, SubModelPart};
+pub use points::{PointAccess, PointHandle, PointPlace, PointSet};
 pub use properties::{Properties, Table, Value};
 
 use crate::diagnostic::Diagnostic;
@@ -23,6 +25,7 @@ use std::collections::HashMap;
 pub struct Model {
     parts: Vec<ModelPart>,
     extensions: HashMap<TypeId, Box<dyn Any + Send>>,
+    points: Option<PointAccess>,
 }
 
 impl Model {

@@ -70,7 +70,8 @@ impl Document {
         &self.root
     }
 
-    /// Replaces (or adds to an object) the value at a JSON pointer; `text` is JSON, or a plain word.
+    /// Replaces (or adds to an object) the value at a JSON pointer; `text` is JSON, or a plain word. `-` is
+    /// the entry after the last one of a list (RFC 6901), which is added.
     ///
     /// # Errors
     /// A pointer whose parent does not exist or is no object or list.
@@ -86,6 +87,10 @@ impl Document {
         match self.root.pointer_mut(parent) {
             Some(Value::Object(object)) => {
                 object.insert(key, value);
+                Ok(())
+            }
+            Some(Value::Array(list)) if key == "-" => {
+                list.push(value);
                 Ok(())
             }
             Some(Value::Array(list)) => match key.parse::<usize>().ok().and_then(|i| list.get_mut(i)) {
@@ -376,6 +381,8 @@ mod tests {
         document.set("/a/new", "word").unwrap();
         assert_eq!(document.root()["a"]["b/c"][0], 7);
         assert_eq!(document.root()["a"]["new"], "word");
+        document.set("/a/b~1c/-", "[8]").unwrap();
+        assert_eq!(document.root()["a"]["b/c"][3][0], 8);
         assert!(document.set("/nope/x", "1").is_err() && document.set("e", "1").is_err());
         assert!(document.place("/a/new").to_string().ends_with("/a/new (set on the command line)"));
         assert_eq!(document.place("/a/newer").line, Some(2));

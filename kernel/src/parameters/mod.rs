@@ -95,6 +95,16 @@ impl Parameters {
         Parameters { document: self.document.clone(), pointer: format!("{}/{key}", self.pointer), value }
     }
 
+    /// The same object without a member that someone else has read.
+    #[must_use]
+    pub fn without(&self, key: &str) -> Parameters {
+        let mut value = self.value.clone();
+        if let Some(members) = value.as_object_mut() {
+            members.shift_remove(key);
+        }
+        Parameters { value, ..self.clone() }
+    }
+
     /// The entries of a list.
     ///
     /// # Errors

@@ -18,6 +18,7 @@ use crate::io::checkpoint::{Archive, CheckpointError};
 use crate::model::Model;
 use crate::parameters::Parameters;
 use crate::variables::Variable;
+use serde_json::{Map, Value};
 use std::path::{Path, PathBuf};
 
 /// Step and time of the analysis.
@@ -89,6 +90,8 @@ pub struct Requirements {
     pub variables: Vec<Wanted>,
     /// Kinetic, strain and potential energy.
     pub energies: bool,
+    /// Positions of points at the start of the run.
+    pub initial_positions: bool,
     /// Everything that the account of a run (`--record`) holds.
     pub record: bool,
     /// Nodal variables that processes write.
@@ -144,6 +147,26 @@ impl Requirements {
     /// True when a variable is wanted at a location.
     pub fn wants(&self, location: Location, variable: &str) -> bool {
         self.variables.iter().any(|w| w.location == location && w.variable == variable)
+    }
+}
+
+/// What processes have found, for the summary of a run (`--summary`).
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Results {
+    /// Errors by label.
+    pub errors: Map<String, Value>,
+    /// Measured values: by table, column, and `first`, `last`, `smallest` or `largest`.
+    pub values: Map<String, Value>,
+}
+
+impl Results {
+    /// Adds the values of a table, by the name of its file without the extension.
+    pub fn add_table(&mut self, path: &Path, extremes: &measure::Extremes) {
+        let name = path.file_stem().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        let values = extremes.values();
+        if !values.is_empty() {
+            self.values.insert(name, values.into());
+        }
     }
 }
 
@@ -232,6 +255,9 @@ pub trait Process: Send {
     fn exchange_state(&mut self, archive: &mut Archive) -> Result<(), CheckpointError> {
         Err(CheckpointError::Unsupported(format!("the process {:?}", self.name())))
     }
+
+    /// Adds what the process has found to the summary of the run.
+    fn results(&self, results: &mut Results) {}
 
     /// Files written so far, for the summary.
     fn files(&self) -> Vec<PathBuf> {

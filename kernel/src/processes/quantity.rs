@@ -8,6 +8,17 @@ use crate::parameters::{Parameters, Settings};
 use crate::registry::Registry;
 use crate::variables::{Column, Fields, Rank, Variable};
 
+/// Components of a tensor with so many numbers, in their order; one in space of one dimension.
+pub fn tensor_components(width: usize) -> &'static [&'static str] {
+    match width {
+        3 => &["XX", "YY", "XY"],
+        4 => &["XX", "YY", "ZZ", "XY"],
+        6 => &["XX", "YY", "ZZ", "XY", "YZ", "XZ"],
+        9 => &["XX", "XY", "XZ", "YX", "YY", "YZ", "ZX", "ZY", "ZZ"],
+        _ => &["XX"],
+    }
+}
+
 /// A variable, or one component of a vector variable, that the input names.
 #[derive(Debug, Clone)]
 pub struct Quantity {
@@ -72,11 +83,7 @@ impl Quantity {
         let names: &[&str] = match (self.variable.rank, self.component, width) {
             (Rank::Scalar, ..) | (_, Some(_), _) => &[],
             (Rank::Vector, ..) => &["X", "Y", "Z"],
-            (_, _, 3) => &["XX", "YY", "XY"],
-            (_, _, 4) => &["XX", "YY", "ZZ", "XY"],
-            (_, _, 6) => &["XX", "YY", "ZZ", "XY", "YZ", "XZ"],
-            (_, _, 9) => &["XX", "XY", "XZ", "YX", "YY", "YZ", "ZX", "ZY", "ZZ"],
-            _ => &["XX"],
+            (_, _, width) => tensor_components(width),
         };
         let unit = self.variable.unit;
         match names {

@@ -21,8 +21,23 @@ pub struct Inventory {
     pub lines: Vec<(String, String)>,
     /// Columns that the solver can have.
     pub columns: Vec<ColumnUse>,
+    /// How many cells, nodes, points and unknowns.
+    pub counts: Counts,
     /// Suspicious but legal facts.
     pub warnings: Vec<String>,
+}
+
+/// Sizes of a scene as numbers; 0 where there is no such thing.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Cells of the mesh.
+    pub cells: usize,
+    /// Nodes of the mesh.
+    pub nodes: usize,
+    /// Material points, or points where a law is evaluated.
+    pub points: usize,
+    /// Unknowns of a step.
+    pub unknowns: usize,
 }
 
 /// A column of numbers that a scene has, or does without.
@@ -81,6 +96,12 @@ pub trait Solver: Send {
     /// # Errors
     /// A step that is not positive.
     fn time_step(&mut self, model: &Model, clock: &Clock) -> Result<f64, Error>;
+
+    /// The largest step that is stable now, in seconds, where the scheme has a limit that is known.
+    #[allow(unused_variables)]
+    fn stable_time_step(&self, model: &Model) -> Option<f64> {
+        None
+    }
 
     /// Whether [`time_step`](Self::time_step) depends on the time alone, so that the number of steps
     /// can be told before the run.

@@ -9,7 +9,8 @@ use bia_kernel::io::checkpoint::{Archive, CheckpointError};
 use bia_kernel::io::control::OutputControl;
 use bia_kernel::model::Model;
 use bia_kernel::parameters::{Key, Kind, Range, Settings};
-use bia_kernel::processes::{Clock, Context, Process, Requirements};
+use bia_kernel::processes::measure::Extremes;
+use bia_kernel::processes::{Clock, Context, Process, Requirements, Results};
 use bia_kernel::registry::{ProcessEntry, Registry};
 use std::fs::File;
 use std::io::Write;
@@ -33,7 +34,9 @@ pub fn register(registry: &mut Registry) {
         build: |building| {
             let path = building.result_file(building.options.output.join(building.settings.text("file_name")))?;
             let control = OutputControl::read(&building.settings);
-            Ok(Box::new(Energy { settings: building.settings, path, file: None, control, elements: Vec::new() }))
+            let extremes = Extremes::of(["KINETIC", "STRAIN", "TOTAL", "SUPPLIED"].map(String::from).into());
+            let (settings, elements) = (building.settings, Vec::new());
+            Ok(Box::new(Energy { settings, path, file: None, control, elements, extremes }))
         },
     });
 }
@@ -44,6 +47,7 @@ struct Energy {
     file: Option<File>,
     control: OutputControl,
     elements: Vec<u32>,
+    extremes: Extremes,
 }
 
 impl Energy {
@@ -66,6 +70,7 @@ impl Energy {
         let (kinetic, strain) = energies(points.body.as_ref(), points_of(points, &self.elements));
         let strain = strain.unwrap_or(f64::NAN);
         let (total, work) = (kinetic + strain, points.body.work());
+        self.extremes.add(&[kinetic, strain, total, work]);
         self.write(&format!("{:?} {kinetic:e} {strain:e} {total:e} {work:e}\n", clock.time))
     }
 }
@@ -102,7 +107,12 @@ impl Process for Energy {
 
     fn exchange_state(&mut self, archive: &mut Archive) -> Result<(), CheckpointError> {
         self.control.exchange(archive)?;
+        self.extremes.exchange(archive)?;
         archive.growing_file("table", &self.path, &mut self.file)
+    }
+
+    fn results(&self, results: &mut Results) {
+        results.add_table(&self.path, &self.extremes);
     }
 
     fn files(&self) -> Vec<PathBuf> {

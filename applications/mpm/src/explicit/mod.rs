@@ -322,6 +322,11 @@ impl Solver for Explicit {
         Ok(step)
     }
 
+    fn stable_time_step(&self, _: &Model) -> Option<f64> {
+        let stable = self.limits.stable_step();
+        (!self.active.cells.is_empty() && stable.is_finite()).then_some(stable)
+    }
+
     fn plans_steps(&self) -> bool {
         !matches!(self.scene.settings.stepping, Stepping::Courant(_))
     }

@@ -8,6 +8,7 @@ pub mod fields;
 mod generate;
 mod layout;
 mod measures;
+mod read;
 #[cfg(test)]
 mod tests;
 

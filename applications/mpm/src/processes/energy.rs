@@ -10,7 +10,8 @@ use bia_kernel::io::control::OutputControl;
 use bia_kernel::io::table::NumberFormat;
 use bia_kernel::model::Model;
 use bia_kernel::parameters::{Key, Kind, Range, Settings};
-use bia_kernel::processes::{Context, Process, Requirements};
+use bia_kernel::processes::measure::Extremes;
+use bia_kernel::processes::{Context, Process, Requirements, Results};
 use bia_kernel::registry::{ProcessEntry, Registry};
 use std::fs::File;
 use std::io::Write;
@@ -55,7 +56,8 @@ pub fn register(registry: &mut Registry) {
             let name = if name.contains('.') { name.to_string() } else { format!("{name}.{extension}") };
             let path = building.result_file(building.options.output.join(folder).join(name))?;
             let control = OutputControl::read(&building.settings);
-            Ok(Box::new(Energy { settings: building.settings, path, file: None, format, control }))
+            let extremes = Extremes::of(["POTENTIAL", "KINETIC", "STRAIN", "TOTAL"].map(String::from).into());
+            Ok(Box::new(Energy { settings: building.settings, path, file: None, format, control, extremes }))
         },
     });
 }
@@ -66,6 +68,7 @@ struct Energy {
     file: Option<File>,
     format: NumberFormat,
     control: OutputControl,
+    extremes: Extremes,
 }
 
 impl Energy {
@@ -88,6 +91,7 @@ impl Energy {
         let Some(selection) = points.select(self.settings.text("model_part_name")) else { return Ok(()) };
         let energies = total_energies(points, selection);
         let numbers = [energies.potential, energies.kinetic, energies.strain, energies.total()];
+        self.extremes.add(&numbers);
         let row = numbers.map(|x| self.format.show(x)).join(" ");
         // Kratos's format is for the energies; the time has all its digits.
         self.write(&format!("{:?} {row}\n", context.clock.time))
@@ -127,7 +131,12 @@ impl Process for Energy {
 
     fn exchange_state(&mut self, archive: &mut Archive) -> Result<(), CheckpointError> {
         self.control.exchange(archive)?;
+        self.extremes.exchange(archive)?;
         archive.growing_file("table", &self.path, &mut self.file)
+    }
+
+    fn results(&self, results: &mut Results) {
+        results.add_table(&self.path, &self.extremes);
     }
 
     fn files(&self) -> Vec<PathBuf> {

@@ -4,13 +4,18 @@
 //! A [`Measurement`] says what is measured; [`TableOutput`] makes a process of it, with the keys that all of
 //! them share ([`TABLE`]).
 
+mod error;
+mod extremes;
 mod oscillation;
 mod probe;
+mod range;
 mod resultant;
+mod sample;
 
+pub use extremes::Extremes;
 pub use probe::positions;
 
-use super::{Clock, Context, Interval, Process, Requirements};
+use super::{Clock, Context, Interval, Process, Requirements, Results};
 use crate::diagnostic::InputErrors;
 use crate::error::Error;
 use crate::io::checkpoint::{Archive, CheckpointError};
@@ -48,6 +53,11 @@ pub trait Measurement: Send {
     /// Name of the measurement and, unless the input says otherwise, of its file.
     fn name(&self) -> &'static str;
 
+    /// Name of its file, without extension, unless the input names one.
+    fn file_name(&self) -> String {
+        self.name().into()
+    }
+
     /// Resolves the names of model parts once the meshes are read.
     ///
     /// # Errors
@@ -76,6 +86,14 @@ pub trait Measurement: Send {
     /// The columns, once all that is measured exists, before the run.
     fn headings(&mut self, model: &Model) -> Vec<Heading>;
 
+    /// Adds what it has found to the summary of the run, beside what is told of every column.
+    #[allow(unused_variables)]
+    fn results(&self, results: &mut Results) {}
+
+    /// Says what time it is before each measurement.
+    #[allow(unused_variables)]
+    fn tell(&mut self, clock: &Clock) {}
+
     /// Appends the present numbers, a row after the other, each as long as the headings.
     fn measure(&mut self, model: &Model, rows: &mut Vec<f64>);
 }
@@ -85,6 +103,8 @@ pub fn register(registry: &mut Registry) {
     probe::register(registry);
     resultant::register(registry);
     oscillation::register(registry);
+    error::register(registry);
+    range::register(registry);
 }
 
 /// When a table gets its rows.
@@ -101,7 +121,7 @@ pub struct TableOutput<M> {
     interval: Interval,
     moments: Moments,
     table: TableWriter,
-    width: usize,
+    extremes: Extremes,
     rows: Vec<f64>,
 }
 
@@ -125,8 +145,9 @@ impl<M: Measurement> TableOutput<M> {
         };
         let file = settings.nested("output_file_settings");
         let text = |key: &str| file.map_or("", |file| file.text(key));
-        let name = if text("file_name").is_empty() { measurement.name() } else { text("file_name") };
-        let name = if name.contains('.') { name.to_string() } else { format!("{name}.{}", text("file_extension")) };
+        let given = text("file_name");
+        let name = if given.is_empty() { measurement.file_name() } else { given.to_string() };
+        let name = if name.contains('.') { name } else { format!("{name}.{}", text("file_extension")) };
         let path = errors.absorb(building.result_file(building.options.output.join(text("output_path")).join(name)));
         let (place, interval) = (settings.parameters().clone(), Interval(settings.interval("interval")));
         match (parsed, moments, path) {
@@ -136,7 +157,7 @@ impl<M: Measurement> TableOutput<M> {
                 interval,
                 moments,
                 table: TableWriter::new(path, format),
-                width: 0,
+                extremes: Extremes::default(),
                 rows: Vec::new(),
             }),
             _ => Err(errors),
@@ -153,9 +174,12 @@ impl<M: Measurement> TableOutput<M> {
 
     fn write(&mut self, context: &Context) -> Result<(), Error> {
         self.rows.clear();
+        self.measurement.tell(context.clock);
         self.measurement.measure(context.model, &mut self.rows);
-        let mut line = Vec::with_capacity(1 + self.width);
-        for row in self.rows.chunks_exact(self.width.max(1)) {
+        let width = self.extremes.width();
+        let mut line = Vec::with_capacity(1 + width);
+        for row in self.rows.chunks_exact(width.max(1)) {
+            self.extremes.add(row);
             line.clear();
             line.push(context.clock.time);
             line.extend_from_slice(row);
@@ -207,7 +231,7 @@ impl<M: Measurement> Process for TableOutput<M> {
 
     fn execute_before_solution_loop(&mut self, context: &mut Context) -> Result<(), Error> {
         let headings = self.measurement.headings(context.model);
-        self.width = headings.len();
+        self.extremes = Extremes::of(headings.iter().map(|heading| heading.name.clone()).collect());
         let all: Vec<Heading> = std::iter::once(Heading::new("TIME", "s")).chain(headings).collect();
         self.table.begin(&all).map_err(|source| Error::Write { path: self.table.path().into(), source })?;
         // The start counts as an output, but among times only where it is named.
@@ -239,9 +263,14 @@ impl<M: Measurement> Process for TableOutput<M> {
             Moments::Control(control) => control.exchange(archive)?,
             Moments::Times(times) => archive.column("times", times)?,
         }
-        archive.count("width", &mut self.width)?;
+        self.extremes.exchange(archive)?;
         self.measurement.exchange_state(archive)?;
         self.table.exchange(archive)
+    }
+
+    fn results(&self, results: &mut Results) {
+        results.add_table(self.table.path(), &self.extremes);
+        self.measurement.results(results);
     }
 
     fn files(&self) -> Vec<PathBuf> {

@@ -98,6 +98,34 @@ fn build(building: Building, name: &'static str, places: Vec<[f64; 3]>) -> Resul
     Ok(Box::new(TableOutput::new(&building, probe)?))
 }
 
+/// The nodes of the cell around each place, with their functions there. The settings have
+/// `model_part_name` and `search_tolerance`.
+///
+/// # Errors
+/// Places outside of the elements.
+pub fn shares_in_cells(
+    part: &ModelPart,
+    elements: &[u32],
+    places: &[[f64; 3]],
+    settings: &Settings,
+) -> Result<Vec<Vec<(u32, f64)>>, InputErrors> {
+    let locator = CellLocator::new(part, settings.number("search_tolerance"));
+    let mut errors = InputErrors::default();
+    let mut shares = Vec::new();
+    for place in places {
+        let found = locator.locate(*place, None).filter(|(cell, _)| elements.binary_search(cell).is_ok());
+        let Some((cell, xi)) = found else {
+            let path = settings.text("model_part_name");
+            errors.push(settings.error("model_part_name", format!("no element of {path:?} holds {place:?}")));
+            continue;
+        };
+        let mut functions = [0.0; 8];
+        part.elements.shapes[cell as usize].functions(xi, &mut functions);
+        shares.push(part.elements.nodes_of(cell as usize).iter().copied().zip(functions).collect());
+    }
+    errors.or(shares)
+}
+
 /// Nodal values at places; several of them are rows with their coordinates.
 struct Probe {
     name: &'static str,
@@ -111,24 +139,6 @@ struct Probe {
 }
 
 impl Probe {
-    fn in_cell(&self, part: &ModelPart, elements: &[u32]) -> Result<Vec<Vec<(u32, f64)>>, InputErrors> {
-        let locator = CellLocator::new(part, self.settings.number("search_tolerance"));
-        let mut errors = InputErrors::default();
-        let mut shares = Vec::new();
-        for place in &self.places {
-            let found = locator.locate(*place, None).filter(|(cell, _)| elements.binary_search(cell).is_ok());
-            let Some((cell, xi)) = found else {
-                let path = self.settings.text("model_part_name");
-                errors.push(self.settings.error("model_part_name", format!("no element of {path:?} holds {place:?}")));
-                continue;
-            };
-            let mut functions = [0.0; 8];
-            part.elements.shapes[cell as usize].functions(xi, &mut functions);
-            shares.push(part.elements.nodes_of(cell as usize).iter().copied().zip(functions).collect());
-        }
-        errors.or(shares)
-    }
-
     fn at_node(&self, part: &ModelPart, nodes: &[u32]) -> Result<Vec<Vec<(u32, f64)>>, InputErrors> {
         let mut errors = InputErrors::default();
         let mut shares = Vec::new();
@@ -172,7 +182,7 @@ impl Measurement for Probe {
         let of_nodes = self.settings.text("entity_type") == "node";
         let shares = match of_nodes {
             true => self.at_node(part, &members.nodes),
-            false => self.in_cell(part, &members.elements),
+            false => shares_in_cells(part, &members.elements, &self.places, &self.settings),
         };
         (self.shares, self.root) = (shares?, members.root);
         Ok(())
