@@ -6,6 +6,7 @@ mod progress;
 mod report;
 mod run;
 mod signal;
+mod study;
 mod summary;
 
 use bia_kernel::registry::Registry;
@@ -28,6 +29,7 @@ const EXAMPLES: &str = "Examples:
   bia new scene --template falling-disc          write a project to begin with
   bia info Dynamic                               the keys of a solver, process, modeler or law
   bia schema > bia.schema.json                   for editors, in a member $schema of the project
+  bia study STUDY.json                           compare methods: error against run time, as a page
   bia run P.json --resume                        go on from the newest checkpoint of the project
   bia run P.json --threads 2 --output /tmp/out --set /problem_data/end_time=0.1
 
@@ -42,6 +44,8 @@ enum Command {
     Check(ProjectArguments),
     /// Show how a project will be computed: stages, columns and their sizes, and what it does without
     Explain(run::ExplainArguments),
+    /// Run a family of projects and report their errors against their run times
+    Study(study::StudyArguments),
     /// Write a project to begin with
     New(new::NewArguments),
     /// List all solvers, processes, modelers, laws and variables, or show one
@@ -85,6 +89,7 @@ fn main() -> ExitCode {
         Command::Run(arguments) => run::run(&arguments, &registry()),
         Command::Check(arguments) => run::check(&arguments, &registry()),
         Command::Explain(arguments) => run::explain(&arguments, &registry()),
+        Command::Study(arguments) => study::study(&arguments),
         Command::New(arguments) => new::new(&arguments),
         Command::Info(arguments) => info::info(&arguments, &registry()),
         Command::Schema => info::schema(&registry()),

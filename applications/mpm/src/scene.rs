@@ -36,6 +36,9 @@ const NODAL_VARIABLES: &[&str] = &[
 /// Nodal variables that mixed formulations have beside these.
 const PRESSURE_VARIABLES: &[&str] = &["PRESSURE", "PRESSURE_REACTION"];
 
+/// Losses of points that the log tells as they happen.
+const TOLD: usize = 3;
+
 /// A scene: its settings, its materials and the search on its grid.
 pub struct Scene {
     /// Settings.
@@ -49,7 +52,7 @@ pub struct Scene {
     /// The grid's functions, once it is there.
     pub space: Space,
     catalogue: Catalogue,
-    told_loss: bool,
+    told_losses: usize,
 }
 
 impl Scene {
@@ -57,7 +60,7 @@ impl Scene {
     pub fn new(settings: SolverSettings, options: RunOptions) -> Self {
         let catalogue = Catalogue::default();
         let space = Space::default();
-        Self { settings, options, materials: Vec::new(), locator: None, space, catalogue, told_loss: false }
+        Self { settings, options, materials: Vec::new(), locator: None, space, catalogue, told_losses: 0 }
     }
 
     /// Reads meshes and materials.
@@ -202,10 +205,12 @@ impl Scene {
         else {
             return Ok(());
         };
-        let lost = search(points, locator, &self.space, self.settings.erase_lost)?;
-        if lost > 0 && !self.told_loss {
-            tracing::warn!("{lost} material points left the grid and were erased; any more are counted at the end");
-            self.told_loss = true;
+        let before = (points.losses.count, points.losses.mass);
+        search(points, locator, &self.space, self.settings.lost_points)?;
+        if points.losses.count > before.0 && self.told_losses < TOLD {
+            self.told_losses += 1;
+            let last = if self.told_losses == TOLD { "; any more are counted at the end" } else { "" };
+            tracing::warn!("{} and were erased{last}", points.losses.since(before));
         }
         for i in 0..points.conditions.len() {
             if let Some(carrier) = points.conditions.carriers[i] {

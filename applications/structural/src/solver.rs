@@ -15,6 +15,7 @@ use bia_kernel::linalg::{LinearSolver, solver};
 use bia_kernel::model::{Model, ModelPart};
 use bia_kernel::processes::{Clock, Context, Location, Requirements};
 use bia_kernel::registry::Registry;
+use bia_kernel::solving::newton::OnNoConvergence;
 use bia_kernel::solving::solver::{ColumnUse, Counts, Inventory, Solver};
 use bia_kernel::solving::{ActiveDofs, StepReport, Stepping, System};
 use bia_kernel::variables::Variable;
@@ -244,6 +245,10 @@ impl Solver for Structural {
 
     fn stable_time_step(&self, _: &Model) -> Option<f64> {
         matches!(self.settings.regime, Regime::Explicit { .. }).then(|| self.stability.last()).flatten()
+    }
+
+    fn on_no_convergence(&self) -> OnNoConvergence {
+        OnNoConvergence::of(&self.settings.settings)
     }
 
     fn plans_steps(&self) -> bool {

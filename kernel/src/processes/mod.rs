@@ -22,7 +22,7 @@ use serde_json::{Map, Value};
 use std::path::{Path, PathBuf};
 
 /// Step and time of the analysis.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Clock {
     /// Steps done or being done; 0 before the loop.
     pub step: usize,
@@ -36,6 +36,14 @@ pub struct Clock {
     pub start: f64,
     /// The loop runs while the time is below this one, in seconds.
     pub end: f64,
+    /// Share of the given step that is being taken: below 1 in pieces of a step that was cut.
+    pub share: f64,
+}
+
+impl Default for Clock {
+    fn default() -> Self {
+        Self { step: 0, time: 0.0, time_step: 0.0, load_time: 0.0, start: 0.0, end: 0.0, share: 1.0 }
+    }
 }
 
 /// Choices of a run that do not stand in the project.
@@ -139,7 +147,7 @@ impl Requirements {
     pub fn write(&mut self, path: &Path, place: &Parameters) {
         if self.written.iter().any(|other| other == path) {
             let message = format!("another process writes {}, too", path.display());
-            self.faults.push(place.error(message).help("name another file in \"output_file_settings\""));
+            self.faults.push(place.error(message).help("give one of them another name or folder"));
         }
         self.written.push(path.to_path_buf());
     }

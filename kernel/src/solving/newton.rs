@@ -2,6 +2,7 @@
 
 use super::criteria::free_norm;
 use super::{ActiveDofs, Criterion, Field, References, System, Tolerances};
+use crate::diagnostic::InputErrors;
 use crate::error::{Error, Failure};
 use crate::parameters::{Key, Kind, Range, Settings};
 use bia_linalg::{LinearError, LinearSolver};
@@ -35,7 +36,7 @@ pub trait NonlinearSystem {
 }
 
 /// Keys of the method in `solver_settings`.
-pub const CONVERGENCE: [Key; 7] = [
+pub const CONVERGENCE: [Key; 8] = [
     Key::new("analysis_type", Kind::Choice(&["non_linear", "linear"]), "\"non_linear\"", "Newton, or one solve a step"),
     Key::new(
         "convergence_criterion",
@@ -53,7 +54,45 @@ pub const CONVERGENCE: [Key; 7] = [
     ),
     Key::new("residual_absolute_tolerance", Kind::Number(Range::NOT_NEGATIVE), "1e-9", "per dof [N]"),
     Key::new("max_iteration", Kind::Integer { min: 1 }, "20", "most Newton iterations a step"),
+    Key::new(
+        "on_no_convergence",
+        Kind::Choice(&["continue", "cut_step", "error"]),
+        "\"continue\"",
+        "implicit: go on with a warning as Kratos does, take the step again in halves, or stop the run",
+    ),
 ];
+
+/// What becomes of a step that does not converge.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum OnNoConvergence {
+    /// The run goes on from it, with a warning.
+    #[default]
+    Continue,
+    /// It is taken again in halves, and so is a step that fails.
+    CutStep,
+    /// The run stops.
+    Error,
+}
+
+impl OnNoConvergence {
+    /// From settings with the keys [`CONVERGENCE`].
+    pub fn of(settings: &Settings) -> Self {
+        match settings.text("on_no_convergence") {
+            "cut_step" => Self::CutStep,
+            "error" => Self::Error,
+            _ => Self::Continue,
+        }
+    }
+
+    /// Refuses anything but the default where nothing is iterated.
+    pub fn refuse(settings: &Settings, errors: &mut InputErrors) {
+        if Self::of(settings) != Self::Continue {
+            let message = format!("{:?} is for implicit runs", settings.text("on_no_convergence"));
+            let help = "leave it out: an explicit step has no iterations that could fail to converge";
+            errors.push(settings.error("on_no_convergence", message).help(help));
+        }
+    }
+}
 
 /// Settings of the method.
 #[derive(Debug, Clone, PartialEq)]
@@ -75,12 +114,29 @@ pub struct StepReport {
     pub converged: bool,
     /// Norm of the residual at the end, if it was built.
     pub residual: f64,
+    /// Name and place of the free dof with the largest residual, where the criterion was not met.
+    pub worst: Option<(String, [f64; 3])>,
+    /// How often the step was halved, at most.
+    pub halvings: u32,
     /// What the linear solver had to say, such as a fall-back to another method.
     pub note: Option<String>,
     /// Time spent on building.
     pub assembly: Duration,
     /// Time spent on linear systems.
     pub linear: Duration,
+}
+
+impl StepReport {
+    /// Adds a later piece of the same step.
+    pub fn add(&mut self, piece: StepReport) {
+        self.iterations += piece.iterations;
+        self.linear_iterations += piece.linear_iterations;
+        self.converged &= piece.converged;
+        self.residual = piece.residual;
+        self.note = self.note.take().or(piece.note);
+        self.assembly += piece.assembly;
+        self.linear += piece.linear;
+    }
 }
 
 impl Newton {
@@ -150,7 +206,11 @@ impl Newton {
             };
             // What a part of a correction leaves is not the end, however small it is.
             report.converged &= !cut;
-            if report.converged || report.iterations >= self.max_iterations {
+            if report.converged {
+                return Ok(report);
+            }
+            if report.iterations >= self.max_iterations {
+                report.worst = worst(problem, &system.rhs);
                 return Ok(report);
             }
         }
@@ -173,6 +233,13 @@ fn evaluate(problem: &mut dyn NonlinearSystem, system: &mut System, correction: 
         }
     }
     Err(whole)
+}
+
+/// Name and place of the free dof with the largest residual.
+fn worst(problem: &dyn NonlinearSystem, rhs: &[f64]) -> Option<(String, [f64; 3])> {
+    let free = rhs.iter().zip(problem.dofs().fixed()).enumerate().filter(|(_, (_, fixed))| !**fixed);
+    let (dof, _) = free.max_by(|(_, (a, _)), (_, (b, _))| a.abs().total_cmp(&b.abs()))?;
+    Some(problem.describe_dof(dof))
 }
 
 fn timed<T>(total: &mut Duration, work: impl FnOnce() -> T) -> T {

@@ -106,6 +106,9 @@ impl Process for PointOutput {
             variable: place.value().as_str().unwrap_or_default().to_string(),
             place,
         }));
+        let path = self.settings.text("model_part_name");
+        let name = self.files.name(path.rsplit('.').next().unwrap_or(path));
+        self.files.claim(&name, requirements, self.settings.parameters());
     }
 
     fn execute_initialize(&mut self, _: &mut Context) -> Result<(), Error> {

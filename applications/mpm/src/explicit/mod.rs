@@ -382,6 +382,10 @@ impl Solver for Explicit {
         crate::inventory::remarks(model)
     }
 
+    fn reached(&self, model: &Model) -> Option<(&'static str, Vec<bool>)> {
+        Some((GRID, self.active.reached_nodes(model.part(GRID)?)))
+    }
+
     fn account(&self, model: &Model) -> serde_json::Map<String, serde_json::Value> {
         crate::record::account(model)
     }

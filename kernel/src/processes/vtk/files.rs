@@ -1,15 +1,15 @@
 //! The folder, names and formats of a process's VTK files.
 
-use super::super::{Clock, RunOptions};
+use super::super::{Clock, Requirements, RunOptions};
 use crate::diagnostic::InputErrors;
 use crate::error::Error;
 use crate::io::checkpoint::{Archive, CheckpointError};
 use crate::io::dataset::Dataset;
-use crate::io::files::remove_unfinished;
+use crate::io::files::{remove_unfinished, resolve};
 use crate::io::pvd::PvdSeries;
 use crate::io::vtk_legacy::{Encoding, write_legacy};
 use crate::io::vtu::{VtuOptions, write_vtu};
-use crate::parameters::{Key, Kind, Range, Settings};
+use crate::parameters::{Key, Kind, Parameters, Range, Settings};
 use std::collections::BTreeMap;
 use std::fs;
 use std::io;
@@ -131,6 +131,12 @@ impl VtkFiles {
         &self.written
     }
 
+    /// Says that the files of this name are written here, so that no other process takes their place.
+    pub fn claim(&self, name: &str, requirements: &mut Requirements, place: &Parameters) {
+        let extension = if self.is_vtu() { "vtu" } else { "vtk" };
+        requirements.write(&self.folder.join(format!("{name}_0_*.{extension}")), place);
+    }
+
     /// Checks that the folder may be emptied at the start; changes nothing.
     ///
     /// # Errors
@@ -145,7 +151,7 @@ impl VtkFiles {
             Err(diagnostic.help(help).into())
         };
         let shown = self.folder.display();
-        if self.project.iter().any(|project| same_folder(project, &self.folder)) {
+        if self.project.iter().any(|project| resolve(project) == resolve(&self.folder)) {
             return refuse(format!("{shown:?} is the folder of the project or of all results"));
         }
         if !self.folder.exists() {
@@ -288,15 +294,6 @@ impl VtkFiles {
             None => Ok(()),
         }
     }
-}
-
-/// Whether two paths lead to one folder; an empty path is the working folder.
-fn same_folder(a: &Path, b: &Path) -> bool {
-    let real = |path: &Path| {
-        let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
-        path.canonicalize().ok()
-    };
-    real(a).is_some_and(|a| real(b) == Some(a))
 }
 
 /// Names of what the folder holds beside VTK files.

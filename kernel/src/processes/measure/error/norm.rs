@@ -132,7 +132,9 @@ mod tests {
     #[test]
     fn norms_are_those_of_the_definitions() {
         let mut sums = Sums::default();
-        [(3.0, 1.0), (4.0, 3.0), (9.0, 0.0)].map(|(size, weight)| sums.add(size, weight));
+        for (size, weight) in [(3.0, 1.0), (4.0, 3.0), (9.0, 0.0)] {
+            sums.add(size, weight);
+        }
         assert_eq!([Norm::L1, Norm::Max].map(|norm| sums.norm(norm)), [15.0, 4.0]);
         assert_eq!(sums.norm(Norm::L2), 57.0_f64.sqrt());
         assert_eq!(sums.norm(Norm::Rms), (57.0_f64 / 4.0).sqrt());

@@ -1,0 +1,255 @@
+//! What a run must keep, and how far it does.
+
+use super::keys::CRITERION;
+use crate::study::outcome::Outcome;
+use crate::study::page::shown;
+use bia_kernel::diagnostic::InputErrors;
+use bia_kernel::parameters::{Parameters, Settings};
+
+/// How a cell of the matrix came out, the best first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Verdict {
+    /// All criteria are kept.
+    Pass,
+    /// One is broken, but not by much.
+    Degraded,
+    /// One is broken, or the run ended as it should not.
+    Fails,
+    /// The input was refused, and that was not what was expected.
+    Refused,
+    /// The method cannot run the scene.
+    Cannot,
+}
+
+impl Verdict {
+    /// Its name, and its class in the page.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Pass => "pass",
+            Self::Degraded => "degraded",
+            Self::Fails => "fails",
+            Self::Refused => "refused",
+            Self::Cannot => "cannot",
+        }
+    }
+
+    /// A sign beside the name, for those who do not see colours.
+    pub fn sign(self) -> &'static str {
+        match self {
+            Self::Pass => "✓",
+            Self::Degraded => "≈",
+            Self::Fails => "✗",
+            Self::Refused => "⊘",
+            Self::Cannot => "–",
+        }
+    }
+}
+
+/// A number, or where it stands in the summary.
+#[derive(Debug, Clone)]
+enum Term {
+    Number(f64),
+    Pointer(String),
+}
+
+impl Term {
+    fn read(settings: &Settings, key: &str) -> Result<Option<Self>, InputErrors> {
+        let Some(place) = settings.get(key) else { return Ok(None) };
+        match (place.value().as_f64(), place.value().as_str()) {
+            (Some(number), _) => Ok(Some(Self::Number(number))),
+            (None, Some(pointer)) if pointer.starts_with('/') => Ok(Some(Self::Pointer(pointer.into()))),
+            _ => Err(place.error("must be a number, or a JSON pointer into the summary").into()),
+        }
+    }
+
+    fn value(&self, outcome: &Outcome) -> Option<f64> {
+        match self {
+            Self::Number(number) => Some(*number),
+            Self::Pointer(pointer) => outcome.number(pointer),
+        }
+    }
+}
+
+/// A criterion.
+#[derive(Debug, Clone)]
+pub enum Criterion {
+    /// A bound of a quantity of the summary.
+    Bound(Box<Bound>),
+    /// How the run ends.
+    End {
+        /// `done`, `failed` or `input`.
+        end: String,
+        /// What the reason tells.
+        reason: String,
+    },
+}
+
+/// A bound.
+#[derive(Debug, Clone)]
+pub struct Bound {
+    quantity: String,
+    minus: Option<Term>,
+    over: Option<Term>,
+    absolute: bool,
+    max: Option<f64>,
+    min: Option<f64>,
+    degraded: Option<f64>,
+    text: String,
+}
+
+/// What a criterion found.
+#[derive(Debug, Clone)]
+pub struct Finding {
+    /// How far it is kept.
+    pub verdict: Verdict,
+    /// What was looked at.
+    pub what: String,
+    /// The number, if there was one.
+    pub number: Option<f64>,
+    /// What it should have been.
+    pub wanted: String,
+}
+
+impl Criterion {
+    /// From its object.
+    ///
+    /// # Errors
+    /// A criterion of nothing, or without a bound.
+    pub fn read(place: &Parameters) -> Result<Self, InputErrors> {
+        let settings = place.read(CRITERION)?;
+        if settings.given("expect") {
+            let (end, reason) = (settings.text("expect").to_string(), settings.text_if("reason_contains"));
+            return Ok(Self::End { end, reason });
+        }
+        let quantity = settings.text_if("quantity");
+        let mut errors = InputErrors::default();
+        if !quantity.starts_with('/') {
+            let help = "\"quantity\": a JSON pointer such as /errors/u/largest, or \"expect\": how the run ends";
+            errors.push(place.error("looks at nothing").help(help));
+        }
+        let number = |key: &str| settings.given(key).then(|| settings.number(key));
+        let (max, min, degraded) = (number("max"), number("min"), number("degraded"));
+        if max.is_none() && min.is_none() {
+            errors.push(place.error("has neither \"max\" nor \"min\""));
+        }
+        if let (Some(max), Some(min)) = (max, min)
+            && (min > max || degraded.is_some())
+        {
+            errors.push(place.error("\"min\" is above \"max\", or \"degraded\" stands beside both"));
+        }
+        let minus = errors.absorb(Term::read(&settings, "minus")).flatten();
+        let over = errors.absorb(Term::read(&settings, "over")).flatten();
+        let (absolute, text) = (settings.flag("absolute"), settings.text("text").to_string());
+        errors.or(Self::Bound(Box::new(Bound { quantity, minus, over, absolute, max, min, degraded, text })))
+    }
+
+    /// Whether it asks for another end than a good one.
+    pub fn expects_trouble(&self) -> bool {
+        matches!(self, Self::End { end, .. } if end != "done")
+    }
+
+    /// Looks at what a run left.
+    pub fn look(&self, outcome: &Outcome) -> Finding {
+        match self {
+            Self::Bound(bound) => bound.look(outcome),
+            Self::End { end, reason } => {
+                let kept = outcome.end() == end && outcome.reason().to_lowercase().contains(&reason.to_lowercase());
+                let told = if reason.is_empty() { String::new() } else { format!(", and tells {reason:?}") };
+                let verdict = if kept { Verdict::Pass } else { Verdict::Fails };
+                let what = format!("ends: {}", outcome.end());
+                Finding { verdict, what, number: None, wanted: format!("{end}{told}") }
+            }
+        }
+    }
+}
+
+/// A text that may stay away.
+trait TextIf {
+    /// The text, or nothing.
+    fn text_if(&self, key: &str) -> String;
+}
+
+impl TextIf for Settings {
+    fn text_if(&self, key: &str) -> String {
+        if self.given(key) { self.text(key).to_string() } else { String::new() }
+    }
+}
+
+impl Bound {
+    /// The number; none if a part of it is not there or not finite.
+    fn value(&self, outcome: &Outcome) -> Option<f64> {
+        let mut value = outcome.number(&self.quantity)?;
+        if let Some(minus) = &self.minus {
+            value -= minus.value(outcome)?;
+        }
+        if let Some(over) = &self.over {
+            value /= over.value(outcome)?;
+        }
+        let value = if self.absolute { value.abs() } else { value };
+        value.is_finite().then_some(value)
+    }
+
+    fn look(&self, outcome: &Outcome) -> Finding {
+        let number = self.value(outcome);
+        let within = |high: Option<f64>, low: Option<f64>, x: f64| {
+            high.is_none_or(|high| x <= high) && low.is_none_or(|low| x >= low)
+        };
+        let verdict = match number {
+            None => Verdict::Fails,
+            Some(x) if within(self.max, self.min, x) => Verdict::Pass,
+            Some(x) => match (self.degraded, self.max) {
+                (Some(bound), Some(_)) if x <= bound => Verdict::Degraded,
+                (Some(bound), None) if x >= bound => Verdict::Degraded,
+                _ => Verdict::Fails,
+            },
+        };
+        let what = if self.text.is_empty() { self.quantity.clone() } else { self.text.clone() };
+        let bounds = [self.min.map(|min| format!("≥ {}", shown(Some(min)))), self.max.map(|max| format!("≤ {}", shown(Some(max))))];
+        let wanted = bounds.into_iter().flatten().collect::<Vec<_>>().join(", ");
+        Finding { verdict, what, number, wanted }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bia_kernel::parameters::Document;
+    use serde_json::{Value, json};
+    use std::path::Path;
+
+    fn read(text: &str) -> Result<Criterion, InputErrors> {
+        Criterion::read(&Parameters::root(Document::parse(Path::new("c.json"), text.into()).unwrap()))
+    }
+
+    fn outcome(summary: Value, end: &str) -> Outcome {
+        Outcome::new(vec![json!({"end": end, "reason": "no longer Hyperbolic", "summary": summary})])
+    }
+
+    #[test]
+    fn bounds_are_kept_degraded_or_broken() {
+        let criterion = read(r#"{"quantity": "/a", "minus": "/b", "over": 2, "max": 1, "degraded": 3}"#).unwrap();
+        let verdict = |a: Value| criterion.look(&outcome(json!({"a": a, "b": 1.0}), "done")).verdict;
+        assert_eq!(verdict(json!(3.0)), Verdict::Pass);
+        assert_eq!(verdict(json!(-5.0)), Verdict::Degraded, "|−5 − 1|/2 = 3");
+        assert_eq!(verdict(json!(7.1)), Verdict::Fails);
+        assert_eq!(verdict(Value::Null), Verdict::Fails, "what is not finite is no pass");
+        let least = read(r#"{"quantity": "/a", "min": 2, "degraded": 1}"#).unwrap();
+        let verdict = |a: f64| least.look(&outcome(json!({"a": a}), "done")).verdict;
+        assert_eq!([2.0, 1.5, 0.5].map(verdict), [Verdict::Pass, Verdict::Degraded, Verdict::Fails]);
+    }
+
+    #[test]
+    fn ends_are_compared_with_their_reasons() {
+        let criterion = read(r#"{"expect": "failed", "reason_contains": "hyperbolic"}"#).unwrap();
+        assert!(criterion.expects_trouble());
+        assert_eq!(criterion.look(&outcome(Value::Null, "failed")).verdict, Verdict::Pass);
+        assert_eq!(criterion.look(&outcome(Value::Null, "done")).verdict, Verdict::Fails);
+    }
+
+    #[test]
+    fn criteria_of_nothing_are_refused() {
+        for wrong in [r#"{"max": 1}"#, r#"{"quantity": "/a"}"#, r#"{"quantity": "/a", "max": 1, "over": "b"}"#] {
+            assert!(read(wrong).is_err(), "{wrong}");
+        }
+    }
+}

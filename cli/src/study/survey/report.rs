@@ -1,0 +1,318 @@
+//! The report of a survey: the matrix, each scene's runs with their numbers, and what scenes did without.
+
+use super::criterion::{Finding, Verdict};
+use super::plan::{Run, Scene, Survey, Wanted};
+use crate::study::chart::escaped;
+use crate::study::machine::in_words;
+use crate::study::outcome::Outcome;
+use crate::study::page::{Table, counted, csv_cell, page, paragraphs, shown};
+use crate::study::report::in_word;
+use serde_json::{Value, json};
+use std::collections::HashMap;
+use std::fmt::Write;
+
+/// A survey with what its runs left.
+pub struct Report<'a> {
+    survey: &'a Survey,
+    machine: Value,
+    outcomes: HashMap<&'a str, Outcome>,
+}
+
+/// How a cell of the matrix came out.
+struct Cell {
+    verdict: Verdict,
+    /// Why, in one line.
+    reason: String,
+    findings: Vec<Finding>,
+}
+
+impl<'a> Report<'a> {
+    /// With the outcomes by the names of the cases.
+    pub fn new(survey: &'a Survey, machine: Value, outcomes: HashMap<&'a str, Outcome>) -> Self {
+        Self { survey, machine, outcomes }
+    }
+
+    fn outcome(&self, wanted: &Wanted) -> Option<&Outcome> {
+        self.outcomes.get(wanted.case.name.as_str())
+    }
+
+    fn judge(&self, run: &Run) -> Cell {
+        let wanted = match run {
+            Run::Cannot(reason) => {
+                return Cell { verdict: Verdict::Cannot, reason: reason.clone(), findings: Vec::new() };
+            }
+            Run::Wanted(wanted) => wanted,
+        };
+        let Some(outcome) = self.outcome(wanted) else {
+            return Cell { verdict: Verdict::Fails, reason: "was not run".into(), findings: Vec::new() };
+        };
+        let trouble = wanted.criteria.iter().any(|criterion| criterion.expects_trouble());
+        if !outcome.is_done() && !trouble {
+            let verdict = if outcome.end() == "input" { Verdict::Refused } else { Verdict::Fails };
+            let reason = format!("{}: {}", in_word(outcome.end()), outcome.reason());
+            return Cell { verdict, reason, findings: Vec::new() };
+        }
+        let findings: Vec<Finding> = wanted.criteria.iter().map(|criterion| criterion.look(outcome)).collect();
+        let verdict = findings.iter().map(|finding| finding.verdict).max().unwrap_or(Verdict::Fails);
+        let worst = findings.iter().find(|finding| finding.verdict == verdict);
+        let reason = match worst {
+            Some(finding) if verdict == Verdict::Pass && finding.number.is_none() => {
+                format!("stops as it should: {}", outcome.reason())
+            }
+            Some(finding) => in_line(finding),
+            None => String::new(),
+        };
+        Cell { verdict, reason, findings }
+    }
+
+    /// The page.
+    pub fn html(&self) -> String {
+        let mut out = paragraphs(&self.survey.text, "");
+        if !self.survey.advice.is_empty() {
+            let _ = write!(out, "<div class=\"advice\">\n{}</div>\n", paragraphs(&self.survey.advice, ""));
+        }
+        out += &self.counts();
+        out += "<h2>Scenes and methods</h2>\n";
+        out += &self.matrix();
+        out += "<h2>Methods</h2>\n";
+        for (label, text) in &self.survey.methods {
+            let _ = writeln!(out, "<p><b>{}</b> {}</p>", escaped(label), escaped(text));
+        }
+        out += "<h2>Each scene</h2>\n";
+        for scene in &self.survey.scenes {
+            out += &self.scene(scene);
+        }
+        let _ = writeln!(out, "<h2>How it was measured</h2>\n<p>{}.</p>", escaped(&in_words(&self.machine)));
+        out += "<p>Each run was a process of its own; CPU time is that of the loop over time steps, of all threads.</p>\n";
+        out += &self.commands();
+        page(&self.survey.title, &out)
+    }
+
+    fn counts(&self) -> String {
+        let cells = self.survey.scenes.iter().flat_map(|scene| scene.runs.iter().flatten());
+        let all: Vec<(Verdict, bool)> = cells
+            .map(|run| (self.judge(run).verdict, matches!(run, Run::Wanted(wanted) if wanted.must)))
+            .collect();
+        let count = |verdict: Verdict| all.iter().filter(|(found, _)| *found == verdict).count();
+        let verdicts = [Verdict::Pass, Verdict::Degraded, Verdict::Fails, Verdict::Refused, Verdict::Cannot];
+        let told: Vec<String> = verdicts
+            .iter()
+            .map(|verdict| format!("<b class=\"{0}\">{1} {0}</b> {2}", verdict.name(), verdict.sign(), count(*verdict)))
+            .collect();
+        let must = all.iter().filter(|(_, must)| *must).count();
+        let kept = all.iter().filter(|(verdict, must)| *must && *verdict == Verdict::Pass).count();
+        format!(
+            "<p>{} scenes, {} cells: {}. Of the {must} that must pass by theory, {kept} do.</p>\n",
+            self.survey.scenes.len(),
+            all.len(),
+            told.join(", ")
+        )
+    }
+
+    fn matrix(&self) -> String {
+        let mut head = vec!["scene"];
+        head.extend(self.survey.methods.iter().map(|(label, _)| label.as_str()));
+        let mut table = Table::new(&head);
+        for scene in &self.survey.scenes {
+            let (id, title) = (escaped(&scene.id), escaped(&scene.title));
+            let mut row = format!("<tr><td class=\"text\"><a href=\"#{id}\">{id}</a><br><small class=\"soft\">{title}</small></td>");
+            for run in &scene.runs {
+                row += &match run {
+                    Some(run) => self.cell(run),
+                    None => "<td></td>".into(),
+                };
+            }
+            table.raw(&(row + "</tr>"));
+        }
+        table.html()
+    }
+
+    fn cell(&self, run: &Run) -> String {
+        let cell = self.judge(run);
+        let (class, sign, reason) = (cell.verdict.name(), cell.verdict.sign(), escaped(&cell.reason));
+        let short = escaped(&cell.reason.chars().take(90).collect::<String>());
+        let cost = match run {
+            Run::Wanted(wanted) => self.outcome(wanted).and_then(Outcome::cpu),
+            Run::Cannot(_) => None,
+        };
+        let cost = cost.map_or(String::new(), |cpu| format!("<small>{} s</small>", shown(Some(cpu.median))));
+        format!("<td class=\"cell\" title=\"{reason}\"><b class=\"{class}\">{sign} {class}</b><small>{short}</small>{cost}</td>")
+    }
+
+    fn scene(&self, scene: &Scene) -> String {
+        let (id, title) = (escaped(&scene.id), escaped(&scene.title));
+        let mut out = format!("<h3 id=\"{id}\">{id}: {title}</h3>\n{}", paragraphs(&scene.text, ""));
+        let mut table = Table::new(&["method", "result", "criterion", "found", "wanted", "steps", "CPU [s]"]);
+        let mut notes = String::new();
+        for ((label, _), run) in self.survey.methods.iter().zip(&scene.runs) {
+            let Some(run) = run else { continue };
+            let cell = self.judge(run);
+            let outcome = match run {
+                Run::Wanted(wanted) => self.outcome(wanted),
+                Run::Cannot(_) => None,
+            };
+            let verdict = format!("<b class=\"{0}\">{1} {0}</b>", cell.verdict.name(), cell.verdict.sign());
+            let steps = counted(outcome.and_then(|outcome| outcome.number("/steps")));
+            let cpu = shown(outcome.and_then(Outcome::cpu).map(|cpu| cpu.median));
+            if cell.findings.is_empty() {
+                let reason = format!("<span class=\"text\">{}</span>", escaped(&cell.reason));
+                table.row(&[escaped(label), verdict, reason, String::new(), String::new(), steps, cpu]);
+            } else {
+                for (index, finding) in cell.findings.iter().enumerate() {
+                    let first = |text: &str| if index == 0 { text.to_string() } else { String::new() };
+                    let found = finding.number.map_or_else(|| missing(finding), |number| shown(Some(number)));
+                    let class = finding.verdict.name();
+                    table.row(&[
+                        first(&escaped(label)),
+                        first(&verdict),
+                        escaped(&finding.what),
+                        format!("<span class=\"{class}\">{found}</span>"),
+                        escaped(&finding.wanted),
+                        first(&steps),
+                        first(&cpu),
+                    ]);
+                }
+            }
+            if let Run::Wanted(wanted) = run
+                && !wanted.text.is_empty()
+            {
+                let _ = writeln!(notes, "<p class=\"soft\">{}: {}</p>", escaped(label), escaped(&wanted.text));
+            }
+        }
+        out += &table.html();
+        out += &notes;
+        out + &self.left_out(scene)
+    }
+
+    /// What each run of a scene used, and did without, beside the fullest one.
+    fn left_out(&self, scene: &Scene) -> String {
+        let mut table = Table::new(&["method", "columns", "left out", "unknowns", "stages", "bytes a point", "memory [MB]"]);
+        let mut any = false;
+        let mut row = |label: &str, outcome: &Outcome| {
+            let names = |pointer: &str, key: Option<&str>| -> String {
+                let list = outcome.summary().pointer(pointer).and_then(Value::as_array).cloned().unwrap_or_default();
+                let name = |entry: &Value| match key {
+                    Some(key) => entry[key].as_str().map(str::to_owned),
+                    None => entry.as_str().map(str::to_owned),
+                };
+                escaped(&list.iter().filter_map(name).collect::<Vec<_>>().join(", "))
+            };
+            let cells = [
+                names("/columns", Some("name")),
+                names("/left_out", None),
+                counted(outcome.number("/unknowns")),
+                names("/stages", None),
+                shown(outcome.number("/bytes_per_point")),
+                shown(outcome.number("/peak_memory_mb")),
+            ];
+            let cells: String = cells
+                .iter()
+                .enumerate()
+                .map(|(i, cell)| format!("<td{}>{cell}</td>", if [0, 1, 3].contains(&i) { " class=\"text\"" } else { "" }))
+                .collect();
+            table.raw(&format!("<tr><td>{}</td>{cells}</tr>", escaped(label)));
+        };
+        for ((label, _), run) in self.survey.methods.iter().zip(&scene.runs) {
+            let Some(Run::Wanted(wanted)) = run else { continue };
+            let Some(outcome) = self.outcome(wanted).filter(|outcome| outcome.summary()["columns"].is_array()) else {
+                continue;
+            };
+            any = true;
+            row(label, outcome);
+        }
+        let weight = |outcome: &&Outcome| outcome.number("/bytes_per_point").unwrap_or(0.0);
+        let fullest = self.outcomes.values().max_by(|a, b| weight(a).total_cmp(&weight(b)));
+        if let (true, Some(fullest)) = (any, fullest) {
+            row("the fullest of all scenes", fullest);
+        }
+        if !any {
+            return String::new();
+        }
+        format!("<details><summary>What was used and what was left out</summary>\n{}</details>\n", table.html())
+    }
+
+    fn commands(&self) -> String {
+        let mut out = String::from("<details><summary>Commands of all runs</summary>\n");
+        for wanted in self.survey.wanted() {
+            let (name, command) = (escaped(&wanted.case.name), escaped(&wanted.case.command()));
+            let _ = writeln!(out, "<p>{name}<br><code>{command}</code></p>");
+        }
+        out + "</details>\n"
+    }
+
+    /// A row for each criterion of each cell.
+    pub fn csv(&self) -> String {
+        let mut out = String::from("scene,method,result,must,criterion,found,wanted,steps,cpu_s,reason\n");
+        self.visit(|scene, method, run, cell| {
+            let (must, outcome) = match run {
+                Run::Wanted(wanted) => (wanted.must, self.outcome(wanted)),
+                Run::Cannot(_) => (false, None),
+            };
+            let number = |number: Option<f64>| number.map_or(String::new(), |number| format!("{number:?}"));
+            let head = format!("{},{},{},{must}", csv_cell(&scene.id), csv_cell(method), cell.verdict.name());
+            let steps = number(outcome.and_then(|outcome| outcome.number("/steps")));
+            let tail = format!(
+                "{steps},{},{}",
+                number(outcome.and_then(Outcome::cpu).map(|cpu| cpu.median)),
+                csv_cell(&cell.reason)
+            );
+            if cell.findings.is_empty() {
+                let _ = writeln!(out, "{head},,,,{tail}");
+            }
+            for finding in &cell.findings {
+                let (what, wanted) = (csv_cell(&finding.what), csv_cell(&finding.wanted));
+                let _ = writeln!(out, "{head},{what},{},{wanted},{tail}", number(finding.number));
+            }
+        });
+        out
+    }
+
+    /// All of it for programs.
+    pub fn json(&self) -> Value {
+        let mut cells = Vec::new();
+        self.visit(|scene, method, run, cell| {
+            let mut entry = json!({
+                "scene": scene.id, "method": method, "result": cell.verdict.name(), "reason": cell.reason,
+                "criteria": cell.findings.iter().map(|finding| json!({
+                    "what": finding.what, "result": finding.verdict.name(), "found": finding.number,
+                    "wanted": finding.wanted,
+                })).collect::<Vec<_>>(),
+            });
+            if let Run::Wanted(wanted) = run {
+                entry["must"] = wanted.must.into();
+                entry["text"] = wanted.text.clone().into();
+                entry["command"] = wanted.case.command().into();
+                entry["end"] = self.outcome(wanted).map_or("not run", Outcome::end).into();
+                entry["summary"] = self.outcome(wanted).map_or(Value::Null, |outcome| outcome.summary().clone());
+            }
+            cells.push(entry);
+        });
+        json!({"title": self.survey.title, "machine": self.machine, "cells": cells})
+    }
+
+    fn visit(&self, mut visit: impl FnMut(&Scene, &str, &Run, Cell)) {
+        for scene in &self.survey.scenes {
+            for ((label, _), run) in self.survey.methods.iter().zip(&scene.runs) {
+                if let Some(run) = run {
+                    visit(scene, label, run, self.judge(run));
+                }
+            }
+        }
+    }
+}
+
+/// What is told where there is no number.
+fn missing(finding: &Finding) -> String {
+    match finding.verdict {
+        Verdict::Pass => "as expected".into(),
+        _ if finding.what.starts_with("ends") => "another end".into(),
+        _ => "not there, or not finite".into(),
+    }
+}
+
+fn in_line(finding: &Finding) -> String {
+    match finding.number {
+        Some(number) => format!("{} {} ({})", finding.what, shown(Some(number)), finding.wanted),
+        None => format!("{}: {} ({})", finding.what, missing(finding), finding.wanted),
+    }
+}
