@@ -54,9 +54,29 @@ pub struct Stop<const D: usize> {
     pub cell: usize,
     /// Displacement gradient there.
     pub gradient: Matrix<D>,
-    /// The law's reason; none where waves have no speed.
-    pub reason: Option<LawError>,
+    /// Why.
+    pub reason: Reason,
 }
+
+/// Why a cell cannot go on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Reason {
+    /// The law has no answer.
+    Law(LawError),
+    /// Waves have no speed.
+    NoWaves,
+    /// Velocities have grown beyond [`FASTEST`], or are not numbers.
+    Unstable,
+}
+
+impl From<Option<LawError>> for Reason {
+    fn from(error: Option<LawError>) -> Self {
+        error.map_or(Self::NoWaves, Self::Law)
+    }
+}
+
+/// Velocity in m/s at which a run has blown up: its energy is still a number then.
+const FASTEST: f64 = 1e100;
 
 /// A chunk of cells of one material and one number of points a cell.
 #[derive(Debug, Clone, Default)]
@@ -205,7 +225,11 @@ impl<const D: usize> Chunk<D> {
         if let Err((place, reason)) = answered {
             let count = values.velocity.len() / self.kinds.len();
             let gradient = values.gradient[place];
-            self.stop = Some(Stop { cell: self.first + place / count, gradient, reason: Some(reason) });
+            self.stop = Some(Stop { cell: self.first + place / count, gradient, reason: Reason::Law(reason) });
+        } else if let Some(place) = values.velocity.iter().position(|v| !v.iter().all(|v| v.abs() < FASTEST)) {
+            let count = values.velocity.len() / self.kinds.len();
+            let gradient = values.gradient[place];
+            self.stop = Some(Stop { cell: self.first + place / count, gradient, reason: Reason::Unstable });
         }
         self.put(site, values);
         self.trace(shared, site, traces);
@@ -253,7 +277,7 @@ impl<const D: usize> Chunk<D> {
             let slots = &mut impedances[local * 2 * D..(local + 1) * 2 * D];
             let mut speeds = [0.0; FACES];
             if let Err(reason) = cell_impedances(kind, material, &mean, slots, &mut speeds) {
-                self.stop = Some(Stop { cell: self.first + local, gradient: mean, reason });
+                self.stop = Some(Stop { cell: self.first + local, gradient: mean, reason: reason.into() });
                 break;
             }
             for axis in 0..D {

@@ -3,8 +3,8 @@
 use crate::engine::{Engine, Point};
 use crate::variables::{
     CAUCHY_STRESS_VECTOR, DEFORMATION_GRADIENT, DISPLACEMENT, MP_CAUCHY_STRESS_VECTOR, MP_COORD,
-    MP_DEFORMATION_GRADIENT, MP_DISPLACEMENT, MP_EQUIVALENT_STRESS, MP_MASS, MP_MATERIAL_ID, MP_PK1_STRESS_TENSOR,
-    MP_VELOCITY, MP_VOLUME, VELOCITY, VOLUME_ACCELERATION,
+    MP_DEFORMATION_GRADIENT, MP_DETERMINANT_F, MP_DISPLACEMENT, MP_EQUIVALENT_STRESS, MP_MASS, MP_MATERIAL_ID,
+    MP_PK1_STRESS_TENSOR, MP_VELOCITY, MP_VOLUME, VELOCITY, VOLUME_ACCELERATION,
 };
 use bia_constitutive::Voigt;
 use bia_kernel::model::ModelPart;
@@ -20,6 +20,7 @@ pub const OF_POINTS: &[Variable] = &[
     MP_CAUCHY_STRESS_VECTOR,
     MP_PK1_STRESS_TENSOR,
     MP_DEFORMATION_GRADIENT,
+    MP_DETERMINANT_F,
     MP_EQUIVALENT_STRESS,
     MP_MASS,
     MP_VOLUME,
@@ -64,6 +65,7 @@ pub fn append(engine: &dyn Engine, index: usize, variable: &str, out: &mut Vec<f
         }
         "MP_PK1_STRESS_TENSOR" => out.extend(rows(&nominal_stress)),
         "MP_DEFORMATION_GRADIENT" => out.extend(rows(&gradient)),
+        "MP_DETERMINANT_F" => out.push(gradient.determinant()),
         "MP_EQUIVALENT_STRESS" => out.push(von_mises(engine.cauchy(index))),
         "MP_MASS" => out.push(mass),
         "MP_VOLUME" => out.push(volume),

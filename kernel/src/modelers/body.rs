@@ -219,7 +219,7 @@ impl Modeler for Bodies {
             part.nodes = (node..node + body.mesh.nodes.len() as u32).collect();
             part.elements = (cell..cell + body.mesh.len() as u32).collect();
             for named in &body.parts {
-                let child = errors.absorb(named.add(&body.mesh, node, &mut root));
+                let child = errors.absorb(named.add(&body.mesh, (node, cell), &mut root));
                 part.conditions.extend(child.iter().flat_map(|child| child.conditions.iter().copied()));
                 part.children.extend(child);
             }

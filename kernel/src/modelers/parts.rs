@@ -134,8 +134,13 @@ fn condition(settings: &Settings, shape: Shape, registry: &Registry) -> Result<O
 
 impl NamedPart {
     /// Finds the part's nodes in `mesh` and adds its conditions to `root`, where the mesh's nodes
-    /// begin at `first_node`.
-    pub fn add(&self, mesh: &Mesh, first_node: u32, root: &mut ModelPart) -> Result<SubModelPart, InputErrors> {
+    /// begin at `first_node` and its cells at `first_cell`. A box holds the cells all of whose nodes it holds.
+    pub fn add(
+        &self,
+        mesh: &Mesh,
+        (first_node, first_cell): (u32, u32),
+        root: &mut ModelPart,
+    ) -> Result<SubModelPart, InputErrors> {
         let (low, high) = mesh.bounds();
         let margin = MARGIN * (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
         let on_side = |node: u32, (axis, upper): (usize, bool)| {
@@ -176,6 +181,10 @@ impl NamedPart {
         }
         let mut part = SubModelPart { name: self.name.clone(), ..SubModelPart::default() };
         part.nodes = nodes.iter().map(|node| first_node + node).collect();
+        if matches!(self.choice, Choice::Box(..)) {
+            let inside = (0..mesh.len()).filter(|&cell| mesh.cell(cell).iter().all(|&node| holds(&[node])));
+            part.elements = inside.map(|cell| first_cell + cell as u32).collect();
+        }
         if let Some((name, shape)) = &self.condition {
             let cells: Vec<Vec<u32>> = if has_faces { faces } else { nodes.iter().map(|&node| vec![node]).collect() };
             if cells.is_empty() {

@@ -198,11 +198,12 @@ impl Newton {
                 }
             }
             let (fields, dofs) = (problem.fields(), problem.dofs());
+            let least = round_off(problem, system);
+            let vectors = [&system.rhs, &correction, problem.unknowns()];
             report.converged = if fields.is_empty() {
-                criterion.met(dofs, initial, &system.rhs, &correction, problem.unknowns())
+                criterion.met(dofs, initial, &least, vectors)
             } else {
-                let vectors = [&system.rhs, &correction, problem.unknowns()];
-                criterion.met_by_fields(fields, &references, dofs, vectors)
+                criterion.met_by_fields(fields, &references, dofs, &least, vectors)
             };
             // What a part of a correction leaves is not the end, however small it is.
             report.converged &= !cut;
@@ -240,6 +241,27 @@ fn worst(problem: &dyn NonlinearSystem, rhs: &[f64]) -> Option<(String, [f64; 3]
     let free = rhs.iter().zip(problem.dofs().fixed()).enumerate().filter(|(_, (_, fixed))| !**fixed);
     let (dof, _) = free.max_by(|(_, (a, _)), (_, (b, _))| a.abs().total_cmp(&b.abs()))?;
     Some(problem.describe_dof(dof))
+}
+
+/// Round-off of the residual in units of ε h |K_ii|.
+const ROUND_OFF: f64 = 4.0;
+
+/// What the residual of each dof may be by round-off alone. A deformation gradient is known to the machine's
+/// precision ε, as if the nodes at the distance h of neighbours stood wrong by ε h, and a force to ε h |K_ii|:
+/// with a stiffness of 1e10 times the load, no more than six digits of the residual can vanish.
+fn round_off(problem: &dyn NonlinearSystem, system: &System) -> Vec<f64> {
+    let (pattern, block) = (&system.matrix.pattern, system.matrix.pattern.block());
+    let position = |row: usize| problem.describe_dof(row * block).1;
+    let between = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+    let distance = match pattern.rows() {
+        0 => 0.0,
+        _ => {
+            let neighbours = pattern.columns()[pattern.row(0)].iter().map(|&column| position(column as usize));
+            neighbours.map(|x| between(x, position(0))).fold(0.0, f64::max)
+        }
+    };
+    let scale = ROUND_OFF * f64::EPSILON * distance;
+    (0..pattern.order()).map(|dof| scale * system.matrix.diagonal_entry(dof).abs()).collect()
 }
 
 fn timed<T>(total: &mut Duration, work: impl FnOnce() -> T) -> T {
