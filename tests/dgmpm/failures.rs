@@ -48,18 +48,6 @@ fn a_bar_without_waves_stops_and_tells_where() {
     }
 }
 
-/// Linear laws answer any deformation: what grows without bound must stop the run all the same.
-#[test]
-fn an_unstable_linear_run_stops() {
-    let mut scene = plane(1).solver(json!({"time_stepping": {"time_step": 0.05}, "strain": "small"}));
-    scene.end_time = 100.0;
-    let (code, said) = scene.with(velocity("Background_Grid", json!(["x*x", 0.0, 0.0]))).ask(&["run", "--quiet"]);
-    assert_eq!(code, Some(3), "{said}");
-    for part in ["the velocity is not finite", "element ", "\"auto\"", "the state was saved to"] {
-        assert!(said.contains(part), "{part:?} is not in\n{said}");
-    }
-}
-
 #[test]
 fn a_step_above_the_stable_one_is_told_with_both_figures() {
     let start = velocity("Background_Grid", json!(["x", 0.0, 0.0]));
@@ -75,6 +63,17 @@ fn a_step_above_the_stable_one_is_told_with_both_figures() {
     }
     let (code, said) = scene("strict").ask(&["run"]);
     assert!(code == Some(3) && said.contains("Courant number 1.17"), "{said}");
+}
+
+/// Small strain has no det F that could stop a run that grows; its numbers stay numbers until it is stopped.
+#[test]
+fn an_unstable_run_of_small_strain_stops() {
+    let start = velocity("Background_Grid", json!(["x", 0.0, 0.0]));
+    let mut scene = plane(1).with(start).solver(json!({"time_stepping": {"time_step": 0.008}, "strain": "small"}));
+    scene.end_time = 40.0;
+    let (code, said) = scene.ask(&["run", "--quiet"]);
+    assert_eq!(code, Some(3), "{said}");
+    assert!(said.contains("the run is unstable") && !said.contains("NaN"), "{said}");
 }
 
 #[test]

@@ -166,10 +166,10 @@ impl<const D: usize> Body<D> {
         let what = match stop.reason {
             Reason::Law(reason) => format!("the law {} has no answer: {reason}", material.name),
             Reason::NoWaveSpeed => format!("the law {} has no wave speed: its tangent is not positive", material.name),
-            Reason::NotFinite => "the velocity is not finite".to_string(),
+            Reason::Unbounded => "the run is unstable: velocities grow without bound".to_string(),
         };
         let advice = match stop.reason {
-            Reason::NotFinite => "a time step below the stable one, such as \"time_step\": \"auto\"",
+            Reason::Unbounded => "a time step below the stable one, such as \"time_step\": \"auto\"",
             _ => "a smaller time step or load, or a law that stiffens under compression",
         };
         let x = self.positions[self.starts[element] as usize];

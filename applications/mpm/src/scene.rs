@@ -119,6 +119,7 @@ impl Scene {
             return Err(self.settings.settings.error("domain_size", message).into());
         }
         let space = Space::new(grid, &self.settings.discretisation, &self.settings.settings)?;
+        let space = if self.options.kratos_exact { space.without_inset() } else { space };
         if !space.is_mesh() && !grid.node_fields.slides(&DISPLACEMENT).is_empty() {
             let message = "walls to slide along need the functions of the mesh";
             let help = "fix the normal component of walls that stand along the axes, or leave \"basis\" out";

@@ -17,8 +17,11 @@ const BOX: &[Key] = &[
 pub(super) const PART: &[Key] = &[
     Key::required("name", Kind::Text, "name of the sub model part"),
     Key::optional("side", Kind::Any, "min_x, max_x, …, or boundary for all of it; one or a list"),
-    Key::optional("box", Kind::Object(BOX), "takes the nodes in this box, its surface included"),
-    Key::new("elements", Kind::Bool, "false", "of a box: takes the cells that lie wholly in it, too"),
+    Key::optional(
+        "box",
+        Kind::Object(BOX),
+        "takes the nodes in this box, its surface included, and the cells between them",
+    ),
     Key::optional(
         "conditions",
         Kind::Text,
@@ -53,7 +56,6 @@ pub(super) struct NamedPart {
     choice: Choice,
     condition: Option<(String, Shape)>,
     inward: bool,
-    elements: bool,
     settings: Settings,
 }
 
@@ -69,11 +71,8 @@ pub(super) fn read(list: &Parameters, shape: Shape, registry: &Registry) -> Resu
         let choice = errors.absorb(choice(&settings, shape.dimension()));
         let condition = errors.absorb(condition(&settings, shape, registry)).flatten();
         if let Some(choice) = choice {
-            let (inward, elements) = (settings.text("orientation") == "inward", settings.flag("elements"));
-            if elements && !matches!(choice, Choice::Box(..)) {
-                errors.push(settings.error("elements", "is true, but the part has no \"box\""));
-            }
-            parts.push(NamedPart { name, choice, condition, inward, elements, settings });
+            let inward = settings.text("orientation") == "inward";
+            parts.push(NamedPart { name, choice, condition, inward, settings });
         }
     }
     errors.or(parts)
@@ -138,8 +137,8 @@ fn condition(settings: &Settings, shape: Shape, registry: &Registry) -> Result<O
 }
 
 impl NamedPart {
-    /// Finds the part's nodes and cells in `mesh` and adds its conditions to `root`, where those of the
-    /// mesh begin at these.
+    /// Finds the part's nodes in `mesh` and adds its conditions to `root`, where the mesh's nodes
+    /// begin at `first_node` and its cells at `first_cell`. A box holds the cells all of whose nodes it holds.
     pub fn add(
         &self,
         mesh: &Mesh,
@@ -186,12 +185,9 @@ impl NamedPart {
         }
         let mut part = SubModelPart { name: self.name.clone(), ..SubModelPart::default() };
         part.nodes = nodes.iter().map(|node| first_node + node).collect();
-        if self.elements {
-            let cells = (0..mesh.len()).filter(|&cell| holds(mesh.cell(cell)));
-            part.elements = cells.map(|cell| first_cell + cell as u32).collect();
-            if part.elements.is_empty() {
-                return Err(self.empty("holds no whole cell", mesh));
-            }
+        if matches!(self.choice, Choice::Box(..)) {
+            let inside = (0..mesh.len()).filter(|&cell| mesh.cell(cell).iter().all(|&node| holds(&[node])));
+            part.elements = inside.map(|cell| first_cell + cell as u32).collect();
         }
         if let Some((name, shape)) = &self.condition {
             let cells: Vec<Vec<u32>> = if has_faces { faces } else { nodes.iter().map(|&node| vec![node]).collect() };

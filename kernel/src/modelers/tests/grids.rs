@@ -80,17 +80,7 @@ fn sides_and_boxes_hold_the_right_nodes() {
     assert_eq!(part.find("Walls").unwrap().nodes, [0, 6, 7, 13, 14, 20, 21, 27]);
     assert_eq!(part.find("Clamp").unwrap().nodes, [9, 10, 11, 16, 17, 18]);
     assert_eq!(part.find("All").unwrap().nodes.len(), 18);
-    assert!(part.find("Clamp").unwrap().elements.is_empty());
     assert!(part.conditions.is_empty());
-}
-
-#[test]
-fn boxes_hold_whole_cells_if_asked() {
-    let part = grid(json!({"min": [0, 0, 0], "max": [4, 2, 0], "cell_size": 1.0, "parts": [
-        {"name": "Left", "box": {"min": [0, 0, 0], "max": [2, 2, 0]}, "elements": true},
-        {"name": "Middle", "box": {"min": [0.5, 0, 0], "max": [3, 1.5, 0]}, "elements": true}]}));
-    assert_eq!(part.find("Left").unwrap().elements, [0, 1, 4, 5]);
-    assert_eq!(part.find("Middle").unwrap().elements, [1, 2]);
 }
 
 /// A grid one cell wide: the floor's faces have all nodes on the walls, yet are no wall.
@@ -166,4 +156,15 @@ fn mapped_grids_and_bodies_lie_on_each_other() {
     let cube: Vec<[f64; 3]> = super::super::mesh::corners_of(3).iter().map(|c| c.map(|i| 2.0 * i as f64)).collect();
     let part = grid(json!({"min": [0, 0, 0], "max": [1, 1, 1], "divisions": [2, 2, 2], "map": cube}));
     close(measure(&part), 8.0, 1e-15);
+}
+
+/// Materials are given to parts: a box holds the cells that lie in it.
+#[test]
+fn a_box_holds_its_cells() {
+    let part = grid(json!({"min": [-1, 0, 0], "max": [1, 1, 0], "divisions": [4, 2], "parts": [
+        {"name": "Left", "box": {"min": [-1, 0, 0], "max": [0, 1, 0]}},
+        {"name": "Middle", "box": {"min": [-0.6, 0, 0], "max": [0.6, 0.5, 0]}},
+        {"name": "Floor", "box": {"min": [-1, 0, 0], "max": [1, 0, 0]}}]}));
+    let cells: Vec<&[u32]> = part.children.iter().map(|child| child.elements.as_slice()).collect();
+    assert_eq!(cells, [&[0, 1, 4, 5][..], &[1, 2], &[]]);
 }
