@@ -216,7 +216,8 @@ class Study:
         for cell in ("Q4, 16 points", "T3, 12 points"):
             for reset in ("every_step", "never"):
                 for stabilization in STABILIZATIONS:
-                    for count in self.counts(16, 32):
+                    finest = (64,) if reset == "never" and cell.startswith("T3") else ()
+                    for count in self.counts(16, 32, *finest):
                         settings = roomy(count, *CELLS[cell]) | element(stabilization)
                         settings |= {SOLVER + "grid_reset": reset, VARIABLES + "POISSON_RATIO": 0.4999}
                         run = self.run(settings, "ProjectParameters_dynamic.json")

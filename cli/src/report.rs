@@ -202,6 +202,12 @@ pub fn summary(account: &Account) {
         let count = counted(account.not_converged.len(), "step");
         complain!("warning: {count} did not converge within max_iteration, the first is step {first}");
     }
+    if let Some(first) = account.cut.first() {
+        let (count, most) = (counted(account.cut.len(), "step"), 1u64 << account.halvings);
+        complain!(
+            "warning: {count} did not converge as given and were cut, the first is step {first}, at most into {most} pieces"
+        );
+    }
     say!(
         "  {:24} {:.3} s, CPU {:.3} s",
         "time of the loop",

@@ -42,7 +42,8 @@ impl fmt::Display for Place {
                 }
             }
         }
-        match (&self.file, &self.pointer) {
+        // The pointer of the root is the empty text.
+        match (&self.file, self.pointer.as_deref().filter(|pointer| !pointer.is_empty())) {
             (Some(_), Some(pointer)) => write!(f, " at {pointer}"),
             (None, Some(pointer)) => write!(f, "{pointer}"),
             _ => Ok(()),
@@ -93,7 +94,12 @@ impl Diagnostic {
     /// Adds the nearest of `allowed` to `found`, and the list itself.
     #[must_use]
     pub fn allowed<'a>(self, found: &str, allowed: impl IntoIterator<Item = &'a str>) -> Self {
-        let names: Vec<&str> = allowed.into_iter().collect();
+        let mut names: Vec<&str> = Vec::new();
+        for name in allowed {
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
         if names.is_empty() {
             return self.help("nothing is allowed here");
         }

@@ -65,6 +65,17 @@ fn a_step_above_the_stable_one_is_told_with_both_figures() {
     assert!(code == Some(3) && said.contains("Courant number 1.17"), "{said}");
 }
 
+/// Small strain has no det F that could stop a run that grows; its numbers stay numbers until it is stopped.
+#[test]
+fn an_unstable_run_of_small_strain_stops() {
+    let start = velocity("Background_Grid", json!(["x", 0.0, 0.0]));
+    let mut scene = plane(1).with(start).solver(json!({"time_stepping": {"time_step": 0.008}, "strain": "small"}));
+    scene.end_time = 40.0;
+    let (code, said) = scene.ask(&["run", "--quiet"]);
+    assert_eq!(code, Some(3), "{said}");
+    assert!(said.contains("the run is unstable") && !said.contains("NaN"), "{said}");
+}
+
 #[test]
 fn the_inventory_tells_what_is_there_and_what_is_left_out() {
     let (code, said) = plane(4).solver(json!({"time_integration": "rk2"})).ask(&["check"]);

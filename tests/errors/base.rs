@@ -147,7 +147,9 @@ impl Scene {
 
     pub fn write_to(&self, folder: &Path) {
         for (name, content) in &self.files {
-            fs::write(folder.join(name), content).unwrap();
+            let path = folder.join(name);
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+            fs::write(path, content).unwrap();
         }
     }
 

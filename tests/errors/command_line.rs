@@ -33,7 +33,7 @@ fn arguments() {
 #[test]
 fn a_folder_that_cannot_be_made_is_an_error() {
     let outcome = Scene::base().run(&["--output", "Grid.mdpa"]);
-    let says = ["Grid.mdpa", "cannot be written"];
+    let says = ["results cannot go to Grid.mdpa", "Grid.mdpa is no folder", "--output"];
     assert_eq!(outcome.fault_as_refusal(&says), None);
 }
 

@@ -8,6 +8,8 @@ mod failures;
 mod materials;
 mod meshes;
 mod mutations;
+mod policies;
 mod processes;
 mod project;
 mod rendering;
+mod variants;

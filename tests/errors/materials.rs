@@ -59,7 +59,7 @@ fn file() {
         (
             "variables a list",
             |s| s.replace(MATERIALS, "\"Variables\": {", "\"Variables\": [], \"Tables\": {"),
-            &["at /properties/0/Material/Variables", "is a list of 0, must be an object"],
+            &["at /properties/0/Material/Variables", "is the list [], must be an object"],
         ),
         (
             "old and new name",

@@ -123,7 +123,7 @@ fn blocks() {
         (
             "value of two",
             |s| s.replace(PROJECT, "[0.0, \"0.0*t\", 0.0]", "[0.0, 1.0]"),
-            &["at /processes/constraints/0/Parameters/value", "a list of 2", "a list of three"],
+            &["at /processes/constraints/0/Parameters/value", "the list [", "a list of three"],
         ),
         (
             "print format",

@@ -370,6 +370,11 @@ fn layout() {
             &["at /kratos_exact", "is the text \"yes\", must be true or false"],
         ),
         (
+            "stranger",
+            |s| s.replace(PROJECT, "    \"processes\"", "    \"strange\": 1,\n    \"processes\""),
+            &["ProjectParameters.json:24:16 at /strange", "the key \"strange\" is unknown"],
+        ),
+        (
             "old list no list",
             |s| s.replace(PROJECT, "    \"processes\"", "    \"loads_process_list\": {},\n    \"processes\""),
             &["at /loads_process_list", "must be a list"],
@@ -406,16 +411,13 @@ fn all_faults_of_the_project_come_together() {
 
 #[test]
 fn what_has_no_effect_is_told() {
-    let strange =
-        Scene::base().replace(PROJECT, "    \"processes\"", "    \"strange\": 1,\n    \"processes\"").run(&[]);
-    assert_eq!(strange.code, Some(0), "{}", strange.stderr);
-    assert!(
-        strange.words().contains("ProjectParameters.json:24:16 at /strange: \"strange\" is unknown and has no effect"),
-        "{}",
-        strange.stderr
-    );
+    let known =
+        Scene::base().replace(PROJECT, "    \"processes\"", "    \"print_output_process\": {},\n    \"processes\"");
+    let known = known.command("check", &[]);
+    assert_eq!(known.code, Some(0), "{}", known.stderr);
+    assert!(known.words().contains("\"print_output_process\" has no effect in Bia"), "{}", known.stderr);
     let text = Scene::base().text(PROJECT);
-    let without = format!("{}\"x\": 0}}", &text[..text.find("\"processes\"").unwrap()]);
+    let without = format!("{}\"_x\": 0}}", &text[..text.find("\"processes\"").unwrap()]);
     let bare = Scene::base().write(PROJECT, without).command("check", &[]);
     assert_eq!(bare.code, Some(0), "{}", bare.stderr);
     assert!(bare.words().contains("no processes"), "{}", bare.stderr);

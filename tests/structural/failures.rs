@@ -1,7 +1,7 @@
 //! Input that is wrong, and runs that go wrong: exit codes, who, where and what to try.
 
 use super::body::{Body, fix, load, material};
-use super::common::{Cell, Mesh, process};
+use super::common::{Cell, Mesh, largest_difference, process};
 use serde_json::{Value, json};
 use std::process::Command;
 use tempfile::TempDir;
@@ -35,6 +35,21 @@ fn an_element_turned_inside_out_is_named_and_the_state_saved() {
     let says = ["step 1, time 1", "inside out", "element 3", "at (0.", "J = -", "smaller steps", "failed_state.vtu"];
     let folder = ends(&body, 3, &says);
     assert!(folder.path().join("failed_state.vtu").exists());
+}
+
+/// A press that goes too far in one step: taken in pieces it ends where a run in small steps ends, as the
+/// material is elastic.
+#[test]
+fn a_step_that_fails_is_taken_in_pieces() {
+    for depth in [0.7, 0.9] {
+        let press = |solver| block(solver).with(fix("Top", json!([0.0, format!("-{depth}*t"), null])));
+        ends(&press(json!({})), 3, &["inside out"]);
+        let cut = press(json!({"on_no_convergence": "cut_step"})).run(&[]);
+        let small = press(json!({"time_stepping": {"time_step": 0.0625}})).run(&[]);
+        assert_eq!(cut.json["cut_steps"], json!([1]));
+        let difference = largest_difference(&cut.last().nodes("DISPLACEMENT"), &small.last().nodes("DISPLACEMENT"));
+        assert!(difference < 1e-8, "{depth}: {difference} m");
+    }
 }
 
 #[test]

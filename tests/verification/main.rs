@@ -5,6 +5,7 @@
 mod common;
 
 mod conservation;
+mod faces;
 mod free_fall;
 mod manufactured;
 mod modes;

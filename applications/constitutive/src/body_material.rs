@@ -171,7 +171,10 @@ impl BodyMaterial {
                 let message = format!("{name} is {number}, must be a number above 0");
                 Err(self.place_of(Some(name)).error(message).into())
             }
-            None if needed => Err(self.place_of(None).error(format!("the material variable {name} is missing")).into()),
+            None if needed => {
+                let error = self.place_of(None).error(format!("the material variable {name} is missing"));
+                Err(error.help(format!("{name}: {}", meaning(name))).into())
+            }
             None => Ok(None),
         }
     }
@@ -277,6 +280,17 @@ fn read_table(entry: &Parameters) -> Result<((String, String), Table), InputErro
     Ok(((settings.text("input_variable").into(), settings.text("output_variable").into()), table))
 }
 
+/// What the material variables mean that elements read, with their units.
+fn meaning(name: &str) -> &'static str {
+    match name {
+        "THICKNESS" => "extent of a plane body across its mesh, a number above 0 [m]; 1 is usual",
+        "CROSS_AREA" => "area across a body on a line, a number above 0 [m²]",
+        "MATERIAL_POINTS_PER_ELEMENT" => "material points in each cell of the body's mesh, a whole number above 0",
+        "DENSITY" => "mass per volume of the undeformed material, a number above 0 [kg/m³]",
+        _ => "a number above 0",
+    }
+}
+
 /// Sets the properties of all elements and conditions of a part.
 fn apply(bodies: &mut ModelPart, roots: &[&str], path: &str, id: u32, entry: &Parameters) -> Result<(), InputErrors> {
     let (root, below) = path.split_once('.').map_or((path, None), |(root, below)| (root, Some(below)));
@@ -284,6 +298,9 @@ fn apply(bodies: &mut ModelPart, roots: &[&str], path: &str, id: u32, entry: &Pa
     let unknown = |bodies: &ModelPart| {
         let names: Vec<String> = bodies.paths().iter().map(|p| format!("{}.{p}", bodies.name)).collect();
         let diagnostic = place.error(format!("there is no part {path:?} of the bodies"));
+        if names.is_empty() {
+            return diagnostic.help("their mesh has no sub model parts at all").into();
+        }
         InputErrors::from(diagnostic.allowed(path, names.iter().map(String::as_str)))
     };
     if !roots.contains(&root) {

@@ -1,7 +1,7 @@
 //! The body: a mesh whose cells are all filled with points, made into cells, faces and materials.
 
 use crate::boundary::Boundary;
-use crate::chunk::Stop;
+use crate::chunk::{Reason, Stop};
 use crate::faces::{CHUNK, Faces, ThreeCells};
 use crate::kind::{CellKind, Place};
 use crate::layout::places;
@@ -164,12 +164,17 @@ impl<const D: usize> Body<D> {
         let element = self.elements[stop.cell] as usize;
         let material = &self.scheme.materials[self.scheme.kind(stop.cell).material as usize];
         let what = match stop.reason {
-            Some(reason) => format!("the law {} has no answer: {reason}", material.name),
-            None => format!("the law {} has no wave speed: its tangent is not positive", material.name),
+            Reason::Law(reason) => format!("the law {} has no answer: {reason}", material.name),
+            Reason::NoWaveSpeed => format!("the law {} has no wave speed: its tangent is not positive", material.name),
+            Reason::Unbounded => "the run is unstable: velocities grow without bound".to_string(),
+        };
+        let advice = match stop.reason {
+            Reason::Unbounded => "a time step below the stable one, such as \"time_step\": \"auto\"",
+            _ => "a smaller time step or load, or a law that stiffens under compression",
         };
         let x = self.positions[self.starts[element] as usize];
         let gradient = Material::deformation_gradient(&stop.gradient);
-        Failure::new(what, "a smaller time step or load, or a law that stiffens under compression")
+        Failure::new(what, advice)
             .at(format!("element {}", part.elements.ids[element]), x)
             .detail(format!("deformation gradient: {:?}", gradient.transpose().as_slice()))
             .detail(format!("J = {:e}", gradient.determinant()))

@@ -9,7 +9,7 @@
 //! Sources: LeVeque, Finite Volume Methods for Hyperbolic Problems, ch. 20; Colella, J. Comput. Phys. 87
 //! (1990) 171-200; in space Saltzman, J. Comput. Phys. 115 (1994) 153-168.
 
-use crate::chunk::{Chunk, Shared, Stop};
+use crate::chunk::{Chunk, Reason, Shared, Stop};
 use crate::material::Material;
 use crate::matrix::{Matrix, times};
 use crate::riemann::Trace;
@@ -85,7 +85,7 @@ impl<const D: usize> Chunk<D> {
                 let stress = match stress_change(material, &mean, &gradient) {
                     Ok(stress) => stress,
                     Err(reason) => {
-                        self.stop = Some(Stop { cell, gradient: mean, reason: Some(reason) });
+                        self.stop = Some(Stop { cell, gradient: mean, reason: Reason::Law(reason) });
                         return;
                     }
                 };

@@ -1,10 +1,12 @@
 //! The part of the grid that holds points: cells with their points, nodes with their dofs.
 
+use crate::points::lost::{self, LostPoints};
 use crate::points::{Block, MaterialPoints};
 use crate::space::Space;
 use bia_kernel::error::Failure;
 use bia_kernel::geometry::CellLocator;
 use bia_kernel::io::checkpoint::{Archive, CheckpointError};
+use bia_kernel::model::ModelPart;
 use rayon::prelude::*;
 
 /// Marks a point that has no cell.
@@ -30,6 +32,8 @@ pub struct ActiveCells {
     starts: Vec<u32>,
     runs: Vec<Run>,
     counts: Vec<u32>,
+    /// Cells that have held points at any time.
+    reached: Vec<bool>,
 }
 
 impl ActiveCells {
@@ -46,6 +50,15 @@ impl ActiveCells {
     /// Points of an active cell: (block, point).
     pub fn points(&self, index: usize) -> impl Iterator<Item = (u32, u32)> + Clone {
         self.runs(index).iter().flat_map(|run| (run.first..run.first + run.count).map(|point| (run.block, point)))
+    }
+
+    /// Nodes of the grid whose cells have held points at any time.
+    pub fn reached_nodes(&self, grid: &ModelPart) -> Vec<bool> {
+        let mut nodes = vec![false; grid.nodes.len()];
+        for (cell, _) in self.reached.iter().enumerate().filter(|(_, reached)| **reached) {
+            grid.elements.nodes_of(cell).iter().for_each(|node| nodes[*node as usize] = true);
+        }
+        nodes
     }
 
     /// Saves or loads the cells as they are: a point may have changed its cell since they were gathered.
@@ -67,6 +80,7 @@ impl ActiveCells {
     pub fn gather(&mut self, blocks: &[Block], total: usize) {
         self.counts.clear();
         self.counts.resize(total, 0);
+        self.reached.resize(total, false);
         let all = || blocks.iter().enumerate().flat_map(|(block, points)| runs_of(block, &points.cell));
         all().for_each(|(cell, _)| self.counts[cell as usize] += 1);
         self.cells.clear();
@@ -74,6 +88,7 @@ impl ActiveCells {
         let mut next = 0;
         for (cell, count) in self.counts.iter_mut().enumerate().filter(|(_, count)| **count > 0) {
             self.cells.push(cell as u32);
+            self.reached[cell] = true;
             self.starts.push(next);
             next += std::mem::replace(count, next);
         }
@@ -99,23 +114,25 @@ fn runs_of(block: usize, cells: &[u32]) -> impl Iterator<Item = (u32, Run)> {
     runs.filter(|(cell, _)| *cell != NO_CELL)
 }
 
-/// Finds the cell of every point, starting from its last one, and erases points that left the
-/// grid (or keeps them without a cell). Returns how many were erased.
+/// Finds the cell of every point, starting from its last one; what becomes of points that left the grid is
+/// for `policy` to say.
 ///
 /// # Errors
-/// No point is left: then none is erased, so that the state can be saved.
+/// No point is left: then none is erased, so that the state can be saved. A point has left that may not.
 pub fn search(
     points: &mut MaterialPoints,
     locator: &CellLocator,
     space: &Space,
-    erase: bool,
-) -> Result<usize, Failure> {
+    policy: LostPoints,
+) -> Result<(), Failure> {
     let dimension = points.dimension();
-    if let Some(failure) = all_outside(points, locator) {
+    if policy != LostPoints::Clamp
+        && let Some(failure) = all_outside(points, locator)
+    {
         return Err(failure);
     }
-    let mut lost = 0;
-    for block in &mut points.blocks {
+    for b in 0..points.blocks.len() {
+        let block = &points.blocks[b];
         let position = &block.position;
         let found: Vec<Option<(u32, [f64; 3])>> = block
             .cell
@@ -132,34 +149,56 @@ pub fn search(
             })
             .collect();
         let mut keep = Vec::new();
-        for (point, found) in found.iter().enumerate() {
+        for (point, mut found) in found.into_iter().enumerate() {
+            if found.is_none() {
+                found = lost(points, (b, point), locator, policy)?;
+                if let Some((cell, xi)) = &mut found {
+                    *xi = space.local(*cell as usize, points.blocks[b].coordinates(point), *xi);
+                }
+            }
+            let block = &mut points.blocks[b];
             match found {
                 Some((cell, xi)) => {
-                    block.cell[point] = *cell;
+                    block.cell[point] = cell;
                     if block.local.is_used() {
                         block.local.row_mut(point).copy_from_slice(&xi[..dimension]);
                     }
                 }
-                None if !block.position.row(point).iter().all(|x| x.is_finite()) => {
-                    let advice = "a smaller time step, and look at the loads and material constants";
-                    let failure = Failure::new("the position of a material point is not finite", advice);
-                    return Err(failure.at(format!("material point {}", block.ids[point]), block.coordinates(point)));
-                }
-                None if erase => {
+                None if policy == LostPoints::Erase => {
                     keep.resize(block.len(), true);
                     keep[point] = false;
-                    points.lost_mass += block.mass.row(point)[0];
-                    lost += 1;
+                    let (id, mass) = (block.ids[point], block.mass.row(point)[0]);
+                    points.losses.add(id, mass);
                 }
                 None => block.cell[point] = NO_CELL,
             }
         }
         if !keep.is_empty() {
-            block.retain(&keep);
+            points.blocks[b].retain(&keep);
         }
     }
-    points.lost += lost;
-    Ok(lost)
+    Ok(())
+}
+
+/// Deals with a point that is in no cell; gives a cell if it has got one again.
+fn lost(
+    points: &mut MaterialPoints,
+    (block, point): (usize, usize),
+    locator: &CellLocator,
+    policy: LostPoints,
+) -> Result<Option<(u32, [f64; 3])>, Failure> {
+    let of = &points.blocks[block];
+    if !of.position.row(point).iter().all(|x| x.is_finite()) {
+        let advice = "a smaller time step, and look at the loads and material constants";
+        let failure = Failure::new("the position of a material point is not finite", advice);
+        let failure = failure.at(format!("material point {}", of.ids[point]), of.coordinates(point));
+        return Err(failure.detail(of.describe(point)));
+    }
+    match policy {
+        LostPoints::Error => Err(lost::failure(points, block, point)),
+        LostPoints::Clamp => Ok(lost::clamp(points, locator, block, point)),
+        LostPoints::Erase | LostPoints::Keep => Ok(None),
+    }
 }
 
 /// The failure of points none of which is in the grid. Ends at the first that is, so it costs

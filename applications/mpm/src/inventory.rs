@@ -85,7 +85,7 @@ impl Scene {
         let volume: f64 = points.blocks.iter().map(volume_of).sum();
         if let Some(body) = body_measure(model, points)
             && (volume / body - 1.0).abs() > 1e-6
-            && points.lost == 0
+            && points.losses.count == 0
         {
             warnings.push(format!("the volume of the points, {volume}, differs from that of the body mesh, {body}"));
         }
@@ -202,11 +202,15 @@ fn column_uses(points: &MaterialPoints) -> Vec<ColumnUse> {
 
 /// Points that were lost on the way.
 pub fn remarks(model: &Model) -> Vec<String> {
-    let lost = points_of(model).filter(|points| points.lost > 0);
-    let tell = |points: &MaterialPoints| {
-        format!("{} material points left the grid and were erased, {:.6e} kg with them", points.lost, points.lost_mass)
-    };
-    lost.map(tell).into_iter().collect()
+    let Some(losses) = points_of(model).map(|points| &points.losses) else { return Vec::new() };
+    let mut remarks = Vec::new();
+    if losses.count > 0 {
+        remarks.push(format!("{} and were erased, in the whole run", losses.since((0, 0.0))));
+    }
+    if losses.clamped > 0 {
+        remarks.push(format!("material points were put back to the border of the grid {} times", losses.clamped));
+    }
+    remarks
 }
 
 /// Energies that the columns in use allow.

@@ -32,13 +32,15 @@ pub fn account(model: &Model) -> Map<String, Value> {
         let mut laws: Vec<&str> = points.blocks.iter().map(|block| block.law_name.as_str()).collect();
         laws.sort_unstable();
         laws.dedup();
-        head.insert("n_mp".into(), (points.len() + points.lost).into());
+        head.insert("n_mp".into(), (points.len() + points.losses.count).into());
         head.insert("n_mpc".into(), (points.conditions.len() + points.conditions.grid.len()).into());
         head.insert("n_grid_nodes".into(), grid.nodes.len().into());
         head.insert("n_grid_elements".into(), grid.elements.len().into());
         head.insert("laws".into(), json!(laws));
-        head.insert("lost_points".into(), points.lost.into());
-        head.insert("lost_mass".into(), number(points.lost_mass));
+        head.insert("lost_points".into(), points.losses.count.into());
+        head.insert("lost_mass".into(), number(points.losses.mass));
+        head.insert("lost_ids".into(), json!(points.losses.ids));
+        head.insert("clamped_points".into(), points.losses.clamped.into());
     }
     head
 }

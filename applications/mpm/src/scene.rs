@@ -20,7 +20,7 @@ use bia_kernel::registry::Registry;
 use bia_kernel::solving::ActiveDofs;
 
 /// Nodal variables that the solver can show.
-const NODAL_VARIABLES: &[&str] = &[
+pub const NODAL_VARIABLES: &[&str] = &[
     "DISPLACEMENT",
     "VELOCITY",
     "ACCELERATION",
@@ -34,7 +34,10 @@ const NODAL_VARIABLES: &[&str] = &[
 ];
 
 /// Nodal variables that mixed formulations have beside these.
-const PRESSURE_VARIABLES: &[&str] = &["PRESSURE", "PRESSURE_REACTION"];
+pub const PRESSURE_VARIABLES: &[&str] = &["PRESSURE", "PRESSURE_REACTION"];
+
+/// Losses of points that the log tells as they happen.
+const TOLD: usize = 3;
 
 /// A scene: its settings, its materials and the search on its grid.
 pub struct Scene {
@@ -49,7 +52,7 @@ pub struct Scene {
     /// The grid's functions, once it is there.
     pub space: Space,
     catalogue: Catalogue,
-    told_loss: bool,
+    told_losses: usize,
 }
 
 impl Scene {
@@ -57,7 +60,7 @@ impl Scene {
     pub fn new(settings: SolverSettings, options: RunOptions) -> Self {
         let catalogue = Catalogue::default();
         let space = Space::default();
-        Self { settings, options, materials: Vec::new(), locator: None, space, catalogue, told_loss: false }
+        Self { settings, options, materials: Vec::new(), locator: None, space, catalogue, told_losses: 0 }
     }
 
     /// Reads meshes and materials.
@@ -116,6 +119,7 @@ impl Scene {
             return Err(self.settings.settings.error("domain_size", message).into());
         }
         let space = Space::new(grid, &self.settings.discretisation, &self.settings.settings)?;
+        let space = if self.options.kratos_exact { space.without_inset() } else { space };
         if !space.is_mesh() && !grid.node_fields.slides(&DISPLACEMENT).is_empty() {
             let message = "walls to slide along need the functions of the mesh";
             let help = "fix the normal component of walls that stand along the axes, or leave \"basis\" out";
@@ -163,10 +167,7 @@ impl Scene {
         let nodal = || NODAL_VARIABLES.iter().chain(of_pressure).chain(&requirements.provided).copied();
         for wanted in &requirements.variables {
             let name = wanted.variable.as_str();
-            let unknown = |names: &mut dyn Iterator<Item = &'static str>| {
-                let message = format!("nobody in this scene provides {name:?}");
-                wanted.place.error(message).allowed(name, names)
-            };
+            let unknown = |names: &mut dyn Iterator<Item = &'static str>| requirements.nobody(wanted, names);
             match wanted.location {
                 Location::Points => match fields::columns_of(name).filter(|needed| mixed || !needed.pressure) {
                     Some(needed) => columns = columns.or(needed),
@@ -202,10 +203,12 @@ impl Scene {
         else {
             return Ok(());
         };
-        let lost = search(points, locator, &self.space, self.settings.erase_lost)?;
-        if lost > 0 && !self.told_loss {
-            tracing::warn!("{lost} material points left the grid and were erased; any more are counted at the end");
-            self.told_loss = true;
+        let before = (points.losses.count, points.losses.mass);
+        search(points, locator, &self.space, self.settings.lost_points)?;
+        if points.losses.count > before.0 && self.told_losses < TOLD {
+            self.told_losses += 1;
+            let last = if self.told_losses == TOLD { "; any more are counted at the end" } else { "" };
+            tracing::warn!("{} and were erased{last}", points.losses.since(before));
         }
         for i in 0..points.conditions.len() {
             if let Some(carrier) = points.conditions.carriers[i] {

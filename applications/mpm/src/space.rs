@@ -96,9 +96,16 @@ impl Tensor {
     }
 }
 
+/// How far inside a cell of the mesh points are taken to stand, in local coordinates. On a face a node beyond
+/// it has no mass, but its function has a gradient there, so that it would act as a support; a little within,
+/// it has a velocity. Its share of a point's mass is half of this.
+const INSET: f64 = 1e-10;
+
 /// The grid's functions.
 pub struct Space {
     functions: Functions,
+    /// Whether points on faces are taken to stand within their cells by [`INSET`].
+    inset: bool,
     /// Where each cell's functions start in `of_cells`, one more entry than cells.
     starts: Vec<u32>,
     of_cells: Vec<u32>,
@@ -109,7 +116,7 @@ pub struct Space {
 impl Default for Space {
     fn default() -> Self {
         let (starts, of_cells, positions) = (vec![0], Vec::new(), Vec::new());
-        Self { functions: Functions::Mesh(Vec::new()), starts, of_cells, positions, told: Once::new() }
+        Self { functions: Functions::Mesh(Vec::new()), inset: false, starts, of_cells, positions, told: Once::new() }
     }
 }
 
@@ -143,6 +150,7 @@ impl Space {
         let cells = &grid.elements;
         Self {
             functions: Functions::Mesh(cells.shapes.clone()),
+            inset: true,
             starts: cells.starts.clone(),
             of_cells: cells.nodes.clone(),
             positions: grid.nodes.coordinates.clone(),
@@ -158,6 +166,7 @@ impl Space {
             of_cells: (0..cells).flat_map(|cell| basis.functions_of(cell)).collect(),
             positions: (0..basis.len()).map(|function| basis.anchor(function)).collect(),
             functions: Functions::Tensor(tensor),
+            inset: false,
             told: Once::new(),
         }
     }
@@ -236,10 +245,18 @@ impl Space {
         corners
     }
 
+    /// Leaves points on faces, and those beyond by less than the tolerance of the search, where they are.
+    #[must_use]
+    pub fn without_inset(mut self) -> Self {
+        self.inset = false;
+        self
+    }
+
     /// Local coordinates of a position in a cell, given those in the mesh's own cell.
     #[inline]
     pub fn local(&self, cell: usize, x: [f64; 3], of_mesh: [f64; 3]) -> [f64; 3] {
         match &self.functions {
+            Functions::Mesh(shapes) if self.inset => inside(shapes[cell], of_mesh),
             Functions::Mesh(_) => of_mesh,
             Functions::Tensor(tensor) => tensor.basis.local(cell, x),
         }
@@ -425,6 +442,24 @@ impl Tensor {
              faces of the grid; let the grid end where it is fixed, or use basis \"lagrange\""
         );
     }
+}
+
+/// Local coordinates at least [`INSET`] within the reference cell, for points that stand within, on its faces
+/// or a little outside.
+#[inline]
+fn inside(shape: Shape, mut xi: [f64; 3]) -> [f64; 3] {
+    let used = &mut xi[..shape.dimension()];
+    match shape {
+        Shape::Triangle3 | Shape::Tetrahedron4 => {
+            used.iter_mut().for_each(|v| *v = v.max(INSET));
+            let sum: f64 = used.iter().sum();
+            if sum > 1.0 - INSET {
+                used.iter_mut().for_each(|v| *v *= (1.0 - INSET) / sum);
+            }
+        }
+        _ => used.iter_mut().for_each(|v| *v = v.clamp(INSET - 1.0, 1.0 - INSET)),
+    }
+    xi
 }
 
 #[cfg(test)]

@@ -150,7 +150,14 @@ impl Structural {
         let increments: Vec<f64> = displacement.iter().zip(&state.start).map(|(u, u0)| u - u0).collect();
         let moved = motion.map(|m| m.coefficients.motion(&increments, m.velocity, m.acceleration));
         self.state.displacement = displacement;
-        let report = result?;
+        let report = match result {
+            Ok(report) => report,
+            Err(error) => {
+                // The step may be taken again in pieces.
+                self.linear = Some((system, linear));
+                return Err(error);
+            }
+        };
         let held = system.rhs.iter().zip(self.dofs.fixed());
         self.state.reaction = held.map(|(rest, fixed)| if *fixed { -rest } else { 0.0 }).collect();
         if let Some((velocity, acceleration)) = moved {

@@ -6,13 +6,13 @@ use bia_kernel::linalg::Method;
 use bia_kernel::parameters::{Key, Kind, Parameters, Range, Settings};
 use bia_kernel::solving::linear::{self, Nature};
 use bia_kernel::solving::mesh::MESH_IMPORT;
-use bia_kernel::solving::newton::CONVERGENCE;
+use bia_kernel::solving::newton::{CONVERGENCE, OnNoConvergence};
 use bia_kernel::solving::stepping::TIME_STEPPING;
 use bia_kernel::solving::{MeshSource, Newmark, Newton, Stepping};
 use std::path::Path;
 
 /// Keys of `solver_settings`.
-pub const KEYS: &[Key] = &Key::join::<7, 18, 25>(
+pub const KEYS: &[Key] = &Key::join::<8, 18, 26>(
     CONVERGENCE,
     [
         Key::required("solver_type", Kind::Text, "structural_static or structural_dynamic"),
@@ -116,6 +116,9 @@ impl SolverSettings {
         }
         let regime = errors.absorb(regime(&s));
         let explicit = matches!(regime, Some(Regime::Explicit { .. }));
+        if explicit {
+            OnNoConvergence::refuse(&s, &mut errors);
+        }
         let stepping = errors.absorb(Stepping::read(&s, explicit));
         let mesh = errors.absorb(MeshSource::read(&s, "model_import_settings", folder));
         let materials = errors.absorb(MaterialSource::read(&s, folder));

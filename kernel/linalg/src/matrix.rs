@@ -105,7 +105,10 @@ impl BlockMatrix {
     }
 
     /// Entry (`dof`, `dof`).
-    pub(crate) fn diagonal_entry(&self, dof: usize) -> f64 {
+    ///
+    /// # Panics
+    /// If there is no such dof.
+    pub fn diagonal_entry(&self, dof: usize) -> f64 {
         let block = self.pattern.block();
         self.values[self.pattern.diagonal()[dof / block] as usize * block * block + dof % block * (block + 1)]
     }

@@ -27,6 +27,10 @@ pub struct Account {
     pub not_converged: Vec<usize>,
     /// Smallest and largest time step, in seconds; infinite and 0 before the first.
     pub time_steps: [f64; 2],
+    /// Steps that were cut.
+    pub cut: Vec<usize>,
+    /// How often a step was halved, at most.
+    pub halvings: u32,
     /// Wall time by stage.
     pub stages: Vec<(&'static str, Duration)>,
     /// Energies at the end, in joules.
@@ -56,6 +60,8 @@ impl Account {
             iterations: Vec::new(),
             not_converged: Vec::new(),
             time_steps: [f64::INFINITY, 0.0],
+            cut: Vec::new(),
+            halvings: 0,
             stages: Vec::new(),
             energies: Vec::new(),
             files: Vec::new(),
@@ -94,7 +100,11 @@ impl Account {
         if archive.is_loading() {
             self.earlier = times.map(|time| Duration::try_from_secs_f64(time).unwrap_or_default());
         }
-        for (name, list) in [("iterations", &mut self.iterations), ("not converged", &mut self.not_converged)] {
+        let mut halvings = self.halvings as usize;
+        archive.count("halvings", &mut halvings)?;
+        self.halvings = halvings as u32;
+        let (iterations, not_converged) = (&mut self.iterations, &mut self.not_converged);
+        for (name, list) in [("iterations", iterations), ("not converged", not_converged), ("cut", &mut self.cut)] {
             let mut numbers: Vec<u64> = list.iter().map(|number| *number as u64).collect();
             archive.column(name, &mut numbers)?;
             if archive.is_loading() {
@@ -110,6 +120,10 @@ impl Account {
         self.time_steps = [smallest.min(clock.time_step), largest.max(clock.time_step)];
         if !report.converged {
             self.not_converged.push(clock.step);
+        }
+        if report.halvings > 0 {
+            self.cut.push(clock.step);
+            self.halvings = self.halvings.max(report.halvings);
         }
     }
 }
@@ -271,6 +285,7 @@ impl Recorder {
             "peak_rss_mb": peak_memory_mb(),
             "iterations": account.iterations,
             "not_converged_steps": account.not_converged,
+            "cut_steps": account.cut,
         });
         if let Some(map) = facts.as_object_mut() {
             map.extend(head);

@@ -1,22 +1,23 @@
 //! The analysis: builds what a project names and drives it through time in Kratos's order.
 
 mod account;
+mod prepare;
 mod project;
 mod restart;
 mod schema;
+mod step;
 mod summary;
 
 pub use account::{Account, RecordPlan, number, peak_memory_mb};
 pub use project::Project;
-pub use schema::project_schema;
+pub use schema::{project_keys, project_schema};
 
-use crate::diagnostic::{Diagnostic, InputErrors, Place};
+use crate::diagnostic::{Diagnostic, Place};
 use crate::error::{Error, Failure};
 use crate::io::checkpoint::{Archive, CheckpointError, Contents, file};
 use crate::model::Model;
-use crate::parameters::{Document, Parameters};
-use crate::processes::{Clock, Context, Process, Requirements, Results, RunOptions};
-use crate::registry::Registry;
+use crate::parameters::Parameters;
+use crate::processes::{Clock, Context, Process, Results, RunOptions};
 use crate::solving::StepReport;
 use crate::solving::solver::{Inventory, Solver};
 use crate::variables::Variable;
@@ -60,6 +61,7 @@ pub struct Analysis {
     /// All that there are, so that columns of a checkpoint find their names.
     variables: Vec<Variable>,
     warnings: Vec<String>,
+    resumed: bool,
     stages: Vec<(&'static str, Duration)>,
     /// That of the last run, however it ended.
     account: Option<Account>,
@@ -68,84 +70,6 @@ pub struct Analysis {
 }
 
 impl Analysis {
-    /// Reads all input of a project, checks it and makes the model; nothing is written.
-    ///
-    /// # Errors
-    /// Every fault of the input that can be found: first those of the JSON alone, then those that
-    /// need the meshes.
-    pub fn prepare(
-        document: Document,
-        registry: &Registry,
-        mut options: RunOptions,
-        record: bool,
-    ) -> Result<Self, InputErrors> {
-        let project = Project::read(Parameters::root(document))?;
-        options.kratos_exact |= project.kratos_exact;
-        let mut errors = InputErrors::default();
-        let solver = errors.absorb(registry.build_solver(&project.solver, &options));
-        let mut processes = solver.as_ref().map_or(Vec::new(), |solver| solver.processes());
-        for block in project.processes.iter().chain(&project.outputs) {
-            processes.extend(errors.absorb(registry.build_process(block, &project.root, &options)));
-        }
-        let mut modelers = Vec::new();
-        for block in &project.modelers {
-            modelers.extend(errors.absorb(registry.build_modeler(block, &project.root, &options)));
-        }
-        let Some(mut solver) = errors.or(solver)? else {
-            return Err(InputErrors::default());
-        };
-
-        let mut model = Model::default();
-        for modeler in &mut modelers {
-            modeler.setup_geometry(&mut model, registry)?;
-        }
-        for modeler in &mut modelers {
-            modeler.setup_model_part(&mut model, registry)?;
-        }
-        solver.import(&mut model, registry)?;
-        let mut warnings = project.warnings.clone();
-        for part in model.parts_mut() {
-            warnings.extend(part.apply_data(registry));
-        }
-        let mut errors = InputErrors::default();
-        for process in &mut processes {
-            errors.absorb(process.connect(&mut model));
-        }
-        errors.or(())?;
-        let mut requirements = Requirements { record, ..Requirements::default() };
-        for process in &processes {
-            process.require(&mut requirements);
-        }
-        std::mem::take(&mut requirements.faults).or(())?;
-        solver.initialize(&mut model, &requirements)?;
-        let mut errors = InputErrors::default();
-        for process in &mut processes {
-            errors.absorb(process.check(&model));
-        }
-        errors.or(())?;
-        let start = project.problem.number("start_time");
-        let clock =
-            Clock { start, time: start, load_time: start, end: project.problem.number("end_time"), ..Clock::default() };
-        check_time_step(solver.as_mut(), &model, &clock, &project)?;
-        let restart = project.restart.as_ref().map(|settings| Restart::new(settings, &options.output));
-        let (project, variables) = (project.root, registry.variables().to_vec());
-        Ok(Self {
-            model,
-            solver,
-            processes,
-            clock,
-            options,
-            project,
-            restart,
-            identity: serde_json::Value::Null,
-            variables,
-            warnings,
-            stages: Vec::new(),
-            account: None,
-            first_stable: None,
-        })
-    }
-
     /// What the scene consists of.
     pub fn inventory(&self) -> Inventory {
         let mut inventory = self.solver.inventory(&self.model);
@@ -223,6 +147,7 @@ impl Analysis {
         // What an earlier run left must not be taken for this one's.
         let _ = std::fs::remove_file(self.options.output.join(FAILED_STATE));
         let keeps = self.restart.is_some();
+        self.resumed = resumes;
         let record = record.map(|plan| Recorder::new(plan, planned, &self.clock, resumes, keeps));
         let recorder = record.transpose()?;
         let mut account = Account::start();
@@ -269,7 +194,7 @@ impl Analysis {
 
     /// What is told of a run that has ended without an error.
     fn finish(&mut self, account: &mut Account, recorder: Option<Recorder>) -> Result<(), Error> {
-        for remark in self.solver.remarks(&self.model) {
+        for remark in self.solver.remarks(&self.model).into_iter().chain(self.unreached()) {
             tracing::warn!("{remark}");
         }
         account.stages = std::mem::take(&mut self.stages);
@@ -293,6 +218,30 @@ impl Analysis {
         }
         // A run that is done cannot be resumed.
         Ok(self.restart.as_mut().map_or(Ok(()), Restart::clear)?)
+    }
+
+    /// Processes on parts of the grid that no body has reached; not told of a run that was resumed, which
+    /// does not know what was reached before.
+    fn unreached(&self) -> Vec<String> {
+        let Some((root, reached)) = self.solver.reached(&self.model).filter(|_| !self.resumed) else {
+            return Vec::new();
+        };
+        let mut told: Vec<String> = Vec::new();
+        for (_, group) in self.project.child("processes").map_or(Vec::new(), |processes| processes.members()) {
+            let parts =
+                group.entries().into_iter().filter_map(|block| block.child("Parameters")?.child("model_part_name"));
+            for part in parts {
+                let path = part.value().as_str().unwrap_or_default();
+                let members = self.model.members(path).filter(|members| members.root == root && path != root);
+                let idle = |nodes: &[u32]| !nodes.is_empty() && nodes.iter().all(|node| !reached[*node as usize]);
+                if members.is_some_and(|members| idle(&members.nodes)) {
+                    let message =
+                        format!("no body has reached the nodes of {path} in this run: what acts there had no effect");
+                    told.push(part.warning(message).to_string());
+                }
+            }
+        }
+        told
     }
 
     /// The checkpoint to go on from, if any; else those of earlier runs are removed.
@@ -394,20 +343,10 @@ impl Analysis {
         account.start_loop();
         while self.clock.time < self.clock.end {
             let step = self.solver.time_step(&self.model, &self.clock)?;
-            self.clock.step += 1;
-            self.clock.time_step = step;
-            self.clock.time += step;
-            self.clock.load_time = self.clock.time - (1.0 - self.solver.load_time()) * step;
+            let report = self.take_step(step)?;
             if self.first_stable.is_none() {
                 self.first_stable = self.solver.stable_time_step(&self.model);
             }
-            self.all(0, |process, context| process.execute_initialize_solution_step(context))?;
-            let begin = Instant::now();
-            let mut context = Context { model: &mut self.model, clock: &self.clock, options: &self.options };
-            self.solver.predict(&mut context)?;
-            let report = self.solver.solve_solution_step(&mut context)?;
-            self.solver.finalize_solution_step(&mut context)?;
-            self.stages[1].1 += begin.elapsed();
             self.all(0, |process, context| process.execute_finalize_solution_step(context))?;
             self.print()?;
             account.step(&self.clock, &report);
@@ -460,25 +399,4 @@ impl Analysis {
         }
         Ok(())
     }
-}
-
-/// Refuses steps so small that the loop would not end: at the end of the run a step must still
-/// change the time, and so it does before.
-fn check_time_step(
-    solver: &mut dyn Solver,
-    model: &Model,
-    clock: &Clock,
-    project: &Project,
-) -> Result<(), InputErrors> {
-    for time in [clock.start, clock.end] {
-        if let Err(error) = solver.time_step(model, &Clock { time, ..*clock }) {
-            let place = project.solver.child("time_stepping").unwrap_or_else(|| project.solver.clone());
-            return Err(match error {
-                Error::Input(errors) => errors,
-                Error::Failure(failure) => place.error(&failure.report().what).help(&failure.report().advice).into(),
-                other => place.error(other.to_string()).into(),
-            });
-        }
-    }
-    Ok(())
 }

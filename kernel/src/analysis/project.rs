@@ -1,7 +1,7 @@
 //! The layout of `ProjectParameters.json`: which blocks there are and in which order they act.
 
 use super::restart::{NAME, RESTART};
-use crate::diagnostic::{InputErrors, nearest};
+use crate::diagnostic::InputErrors;
 use crate::parameters::{Key, Kind, Parameters, Range, Settings, describe};
 
 pub(super) const PROBLEM_DATA: &[Key] = &[
@@ -36,17 +36,16 @@ pub(super) const WITHOUT_EFFECT: &[&str] = &[
     "json_check_process",
     "restart_options",
     "output_configuration",
-    "_comment",
 ];
 
 /// A project, taken apart but not yet built.
 pub struct Project {
     /// The whole file.
     pub root: Parameters,
-    /// `problem_data`.
-    pub problem: Settings,
-    /// `solver_settings`.
-    pub solver: Parameters,
+    /// `problem_data`; none if it is faulty.
+    pub problem: Option<Settings>,
+    /// `solver_settings`; none if they are missing.
+    pub solver: Option<Parameters>,
     /// Blocks of modelers.
     pub modelers: Vec<Parameters>,
     /// Blocks of processes in the order in which they act.
@@ -62,19 +61,16 @@ pub struct Project {
 }
 
 impl Project {
-    /// Takes a project apart.
-    ///
-    /// # Errors
-    /// Missing or wrong members, all together.
-    pub fn read(root: Parameters) -> Result<Self, InputErrors> {
-        let mut errors = InputErrors::default();
+    /// Takes a project apart, as far as it can be: missing and wrong members are added to `errors`.
+    pub fn read(root: Parameters, errors: &mut InputErrors) -> Self {
         if !root.value().is_object() {
-            return Err(root.error("a project must be a JSON object").into());
+            errors.push(root.error("a project must be a JSON object"));
         }
-        let mut warnings = check_members(&root, &mut errors);
+        let is_object = root.value().is_object();
+        let mut warnings = check_members(&root, errors);
         let mut member = |name: &str| {
             let child = root.child(name);
-            if child.is_none() {
+            if child.is_none() && is_object {
                 errors.push(root.error(format!("{name:?} is missing")));
             }
             child
@@ -89,27 +85,14 @@ impl Project {
             }
         }
         let modelers = root.child("modelers").and_then(|list| errors.absorb(list.list())).unwrap_or_default();
-        let (processes, outputs) = process_blocks(&root, &mut errors);
+        let (processes, outputs) = process_blocks(&root, errors);
         if processes.is_empty() {
             warnings.push(root.warning("there are no processes: nothing is held, loaded or moved").to_string());
         }
         let flag = root.child("kratos_exact").and_then(|flag| errors.absorb(read_flag(&flag)));
         let kratos_exact = flag.unwrap_or(false);
         let restart = root.child(NAME).and_then(|restart| errors.absorb(restart.read(RESTART)));
-        match (problem, solver) {
-            (Some(problem), Some(solver)) => errors.or(Self {
-                root: root.clone(),
-                problem,
-                solver,
-                modelers,
-                processes,
-                outputs,
-                kratos_exact,
-                restart,
-                warnings,
-            }),
-            _ => Err(errors),
-        }
+        Self { root, problem, solver, modelers, processes, outputs, kratos_exact, restart, warnings }
     }
 }
 
@@ -118,7 +101,7 @@ fn read_flag(value: &Parameters) -> Result<bool, InputErrors> {
     value.value().as_bool().ok_or_else(wrong)
 }
 
-/// Refuses members that look like a slip of a known one; strangers are only named.
+/// Refuses unknown members; those whose names begin with an underscore are comments, or switched off.
 fn check_members(root: &Parameters, errors: &mut InputErrors) -> Vec<String> {
     let known: Vec<&str> = MEMBERS.iter().chain(LEGACY_LISTS).chain(WITHOUT_EFFECT).copied().collect();
     let mut warnings = Vec::new();
@@ -127,10 +110,8 @@ fn check_members(root: &Parameters, errors: &mut InputErrors) -> Vec<String> {
             if WITHOUT_EFFECT.contains(&name.as_str()) {
                 warnings.push(value.warning(format!("{name:?} has no effect in Bia")).to_string());
             }
-        } else if nearest(&name, known.iter().copied()).is_some() {
+        } else if !name.starts_with('_') {
             errors.push(value.error(format!("the key {name:?} is unknown")).allowed(&name, known.iter().copied()));
-        } else {
-            warnings.push(value.warning(format!("{name:?} is unknown and has no effect")).to_string());
         }
     }
     warnings
@@ -175,7 +156,9 @@ mod tests {
     use std::path::Path;
 
     fn read(text: &str) -> Result<Project, InputErrors> {
-        Project::read(Parameters::root(Document::parse(Path::new("p.json"), text.into())?))
+        let mut errors = InputErrors::default();
+        let project = Project::read(Parameters::root(Document::parse(Path::new("p.json"), text.into())?), &mut errors);
+        errors.or(project)
     }
 
     #[test]
@@ -197,11 +180,12 @@ mod tests {
     }
 
     #[test]
-    fn slips_are_errors_and_strangers_are_warnings() {
+    fn unknown_members_are_errors_unless_they_are_commented_out() {
         let text = r#"{"problem_data": {"end_time": 1}, "solver_setings": {}, "something_else": 1}"#;
         let message = read(text).err().unwrap().to_string();
         assert!(message.contains("did you mean \"solver_settings\""), "{message}");
-        let text = r#"{"problem_data": {"end_time": 1}, "solver_settings": {}, "something_else": 1}"#;
-        assert_eq!(read(text).unwrap().warnings.len(), 2, "the stranger, and that there are no processes");
+        assert!(message.contains("\"something_else\" is unknown"), "{message}");
+        let text = r#"{"problem_data": {"end_time": 1}, "solver_settings": {}, "_something_else": 1}"#;
+        assert_eq!(read(text).unwrap().warnings.len(), 1, "that there are no processes");
     }
 }

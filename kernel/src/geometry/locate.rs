@@ -5,6 +5,9 @@ use super::regular::RegularGrid;
 use super::search_mesh::SearchMesh;
 use crate::model::ModelPart;
 
+/// Halvings of the way out of the mesh: the place is found to about its share 1e-12.
+const HALVINGS: usize = 40;
+
 /// Finds the element that holds a point, by the rules of Kratos's search: first the hinted
 /// element, then those that share a node with it, then all, each in ascending order; a point on a
 /// face, or outside by less than the tolerance, stays where it was.
@@ -15,6 +18,8 @@ use crate::model::ModelPart;
 pub struct CellLocator {
     mesh: SearchMesh,
     search: Search,
+    /// Lowest and highest coordinates of the mesh.
+    bounds: [[f64; 3]; 2],
 }
 
 #[derive(Debug, Clone)]
@@ -35,7 +40,7 @@ impl CellLocator {
     pub fn new(part: &ModelPart, tolerance: f64) -> Self {
         let mesh = SearchMesh::new(part, &part.elements, tolerance);
         match RegularGrid::of(&mesh) {
-            Ok(regular) => Self { mesh, search: Search::Regular(regular) },
+            Ok(regular) => Self { bounds: mesh.all_bounds(), mesh, search: Search::Regular(regular) },
             Err(_) => Self::general(part, mesh),
         }
     }
@@ -43,7 +48,7 @@ impl CellLocator {
     fn general(part: &ModelPart, mesh: SearchMesh) -> Self {
         let (starts, cells) = part.cells_of_nodes(&part.elements);
         let bins = Bins::new(&mesh);
-        Self { mesh, search: Search::General { starts, cells, bins } }
+        Self { bounds: mesh.all_bounds(), mesh, search: Search::General { starts, cells, bins } }
     }
 
     /// Index of the element that holds `x` and the local coordinates there; `hint` is the element
@@ -66,6 +71,40 @@ impl CellLocator {
     pub fn locate_inside(&self, x: [f64; 3], hint: Option<u32>) -> Option<(u32, [f64; 3])> {
         let found = self.locate(x, hint)?;
         if self.mesh.holds(found.0 as usize, found.1) { Some(found) } else { self.inside(x).or(Some(found)) }
+    }
+
+    /// A place in the mesh for a point that lies outside of it and was in the element `last`: the nearest
+    /// one in the box around the mesh, or, if the mesh does not fill its box there, where the way from the
+    /// middle of that element leaves the mesh. With it, the element and the local coordinates there. None
+    /// for coordinates that are not finite.
+    pub fn clamp(&self, x: [f64; 3], last: u32) -> Option<([f64; 3], u32, [f64; 3])> {
+        let [low, high] = self.bounds;
+        let mut boxed = x;
+        for i in 0..self.mesh.dimension {
+            boxed[i] = x[i].max(low[i]).min(high[i]);
+        }
+        if !x.iter().all(|x| x.is_finite()) || last as usize >= self.mesh.len() {
+            return None;
+        }
+        let place = |x: [f64; 3]| self.locate_inside(x, Some(last)).map(|(cell, xi)| (x, cell, xi));
+        if let Some(found) = place(boxed) {
+            return Some(found);
+        }
+        let nodes = self.mesh.nodes_of(last as usize);
+        let middle: [f64; 3] = std::array::from_fn(|i| {
+            nodes.iter().map(|&node| self.mesh.coordinates(node)[i]).sum::<f64>() / nodes.len() as f64
+        });
+        // Inside at 0, outside at 1.
+        let (mut inside, mut outside) = (0.0, 1.0);
+        let on_the_way = |share: f64| std::array::from_fn(|i| middle[i] + share * (boxed[i] - middle[i]));
+        for _ in 0..HALVINGS {
+            let share = 0.5 * (inside + outside);
+            match place(on_the_way(share)) {
+                Some(_) => inside = share,
+                None => outside = share,
+            }
+        }
+        place(on_the_way(inside))
     }
 
     /// The first element that holds a point without any tolerance.

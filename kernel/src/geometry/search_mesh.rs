@@ -128,6 +128,19 @@ impl SearchMesh {
         (low, high)
     }
 
+    /// Lowest and highest coordinates of all cells.
+    pub fn all_bounds(&self) -> [[f64; 3]; 2] {
+        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        for &node in &self.nodes {
+            let x = self.coordinates[node as usize];
+            for i in 0..3 {
+                low[i] = low[i].min(x[i]);
+                high[i] = high[i].max(x[i]);
+            }
+        }
+        [low, high]
+    }
+
     /// Share of a cell's box by which the box must grow to hold all points that are inside within
     /// the tolerance. With ξ outside by t, the negative shape functions sum to at most
     /// ((1 + t)^D − 1)/2 in quadrilaterals and hexahedra and D t in simplices; rounding on top.

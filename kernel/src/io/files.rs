@@ -3,7 +3,7 @@
 use std::ffi::OsString;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 /// Bytes gathered before the operating system is called.
 const BUFFER: usize = 1 << 17;
@@ -31,6 +31,23 @@ fn write_and_rename(path: &Path, content: impl FnOnce(&mut dyn Write) -> io::Res
     fs::rename(&temporary.path, path)?;
     temporary.moved = true;
     Ok(bytes)
+}
+
+/// Where a path leads, whether there is anything or not: links are followed as far as there are any.
+pub fn resolve(path: &Path) -> PathBuf {
+    let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
+    let mut real = PathBuf::new();
+    for component in absolute.components() {
+        match component {
+            Component::ParentDir => drop(real.pop()),
+            Component::CurDir => {}
+            other => real.push(other),
+        }
+        if let Ok(found) = real.canonicalize() {
+            real = found;
+        }
+    }
+    real
 }
 
 /// A hidden name in the same folder, hence on the same file system, that no other process uses.

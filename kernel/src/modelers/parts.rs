@@ -1,4 +1,4 @@
-//! Named parts of a mesh: its sides, the nodes in a box, its whole boundary; with conditions.
+//! Named parts of a mesh: its sides, the nodes and cells in a box, its whole boundary; with conditions.
 
 use super::mesh::{Mesh, face_shape};
 use super::reading::{AXES, cell_name, part_name};
@@ -14,10 +14,14 @@ const BOX: &[Key] = &[
     Key::required("min", Kind::Vector3, "lowest corner [m]"),
     Key::required("max", Kind::Vector3, "highest corner [m]"),
 ];
-const PART: &[Key] = &[
+pub(super) const PART: &[Key] = &[
     Key::required("name", Kind::Text, "name of the sub model part"),
     Key::optional("side", Kind::Any, "min_x, max_x, …, or boundary for all of it; one or a list"),
-    Key::optional("box", Kind::Object(BOX), "takes the nodes in this box, its surface included"),
+    Key::optional(
+        "box",
+        Kind::Object(BOX),
+        "takes the nodes in this box, its surface included, and the cells between them",
+    ),
     Key::optional(
         "conditions",
         Kind::Text,
@@ -134,8 +138,13 @@ fn condition(settings: &Settings, shape: Shape, registry: &Registry) -> Result<O
 
 impl NamedPart {
     /// Finds the part's nodes in `mesh` and adds its conditions to `root`, where the mesh's nodes
-    /// begin at `first_node`.
-    pub fn add(&self, mesh: &Mesh, first_node: u32, root: &mut ModelPart) -> Result<SubModelPart, InputErrors> {
+    /// begin at `first_node` and its cells at `first_cell`. A box holds the cells all of whose nodes it holds.
+    pub fn add(
+        &self,
+        mesh: &Mesh,
+        (first_node, first_cell): (u32, u32),
+        root: &mut ModelPart,
+    ) -> Result<SubModelPart, InputErrors> {
         let (low, high) = mesh.bounds();
         let margin = MARGIN * (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
         let on_side = |node: u32, (axis, upper): (usize, bool)| {
@@ -176,6 +185,10 @@ impl NamedPart {
         }
         let mut part = SubModelPart { name: self.name.clone(), ..SubModelPart::default() };
         part.nodes = nodes.iter().map(|node| first_node + node).collect();
+        if matches!(self.choice, Choice::Box(..)) {
+            let inside = (0..mesh.len()).filter(|&cell| mesh.cell(cell).iter().all(|&node| holds(&[node])));
+            part.elements = inside.map(|cell| first_cell + cell as u32).collect();
+        }
         if let Some((name, shape)) = &self.condition {
             let cells: Vec<Vec<u32>> = if has_faces { faces } else { nodes.iter().map(|&node| vec![node]).collect() };
             if cells.is_empty() {

@@ -37,6 +37,7 @@ pub(super) fn register(registry: &mut Registry) {
     registry.modeler(ModelerEntry {
         name: "RegularGridModeler",
         keys: KEYS,
+        lists: || vec![("an entry of parts".into(), parts::PART)],
         help: "makes a regular grid with named sides as a new root model part",
         build: |building| Ok(Box::new(read(building)?)),
     });
@@ -133,10 +134,10 @@ impl Modeler for RegularGrid {
         let mut root = ModelPart::new(self.settings.text("model_part_name"));
         root.properties.insert(0, Properties::default());
         let bent = self.map.as_ref().map(|map| map.bend(&self.mesh));
-        let (first_node, _) = parts::append(&mut root, bent.as_ref().unwrap_or(&self.mesh), &self.element);
+        let first = parts::append(&mut root, bent.as_ref().unwrap_or(&self.mesh), &self.element);
         let mut errors = InputErrors::default();
         for part in &self.parts {
-            let made = errors.absorb(part.add(&self.mesh, first_node, &mut root));
+            let made = errors.absorb(part.add(&self.mesh, first, &mut root));
             root.children.extend(made);
         }
         errors.or(())?;

@@ -15,6 +15,7 @@ pub use key::{Default, Key, Kind, Range};
 pub use settings::Settings;
 
 use crate::diagnostic::{Diagnostic, InputErrors, Place};
+use crate::io::files::resolve;
 use serde_json::Value;
 use std::path::Path;
 use std::sync::Arc;
@@ -62,13 +63,12 @@ impl Parameters {
     /// Whether a path is this document itself, or an existing file beside it that the document names,
     /// or a mesh.
     pub fn is_input(&self, path: &Path) -> bool {
-        let Ok(found) = path.canonicalize() else { return false };
-        let own = self.document.path().canonicalize().is_ok_and(|own| own == found);
-        let is_mesh = found.extension().is_some_and(|extension| extension == "mdpa");
+        let found = resolve(path);
+        let is_mesh = found.extension().is_some_and(|extension| extension == "mdpa" || extension == "msh");
         let folder = self.document.path().parent().unwrap_or_else(|| Path::new(""));
         let materials = self.document.root().pointer("/solver_settings/material_import_settings/materials_filename");
-        let materials = materials.and_then(Value::as_str).and_then(|name| folder.join(name).canonicalize().ok());
-        own || is_mesh || materials == Some(found)
+        let is_materials = materials.and_then(Value::as_str).is_some_and(|name| resolve(&folder.join(name)) == found);
+        found.exists() && (is_mesh || is_materials || resolve(self.document.path()) == found)
     }
 
     /// The member `key` of an object.
@@ -95,14 +95,14 @@ impl Parameters {
         Parameters { document: self.document.clone(), pointer: format!("{}/{key}", self.pointer), value }
     }
 
-    /// The same object without a member that someone else has read.
+    /// The same without what stands at a pointer below it, if anything does.
     #[must_use]
-    pub fn without(&self, key: &str) -> Parameters {
-        let mut value = self.value.clone();
-        if let Some(members) = value.as_object_mut() {
-            members.shift_remove(key);
+    pub fn without(mut self, below: &str) -> Parameters {
+        let Some((object, key)) = below.rsplit_once('/') else { return self };
+        if let Some(Value::Object(members)) = self.value.pointer_mut(object) {
+            members.shift_remove(&key.replace("~1", "/").replace("~0", "~"));
         }
-        Parameters { value, ..self.clone() }
+        self
     }
 
     /// The entries of a list.
@@ -168,6 +168,10 @@ pub(crate) fn describe(value: &Value) -> String {
         Value::Bool(b) => format!("{b}"),
         Value::Number(n) => format!("the number {n}"),
         Value::String(s) => format!("the text {s:?}"),
+        Value::Array(list) if list.len() <= 3 && list.iter().all(|entry| !entry.is_array() && !entry.is_object()) => {
+            let entries: Vec<String> = list.iter().map(Value::to_string).collect();
+            format!("the list [{}]", entries.join(", "))
+        }
         Value::Array(list) => format!("a list of {}", list.len()),
         Value::Object(_) => "an object".into(),
     }

@@ -1,7 +1,7 @@
 //! Checked settings with their defaults filled in.
 
 use super::{Default, Key, Kind, Parameters, describe};
-use crate::diagnostic::{Diagnostic, InputErrors};
+use crate::diagnostic::{Diagnostic, InputErrors, nearest};
 use serde_json::Value;
 use std::collections::BTreeMap;
 
@@ -159,7 +159,11 @@ fn read_key(parameters: &Parameters, key: &'static Key, errors: &mut InputErrors
         let found = describe(value.value());
         let mut diagnostic = value.error(format!("is {found}, must be {expected}"));
         diagnostic = match (key.kind, value.value().as_str()) {
-            (Kind::Choice(names), Some(text)) => diagnostic.allowed(text, names.iter().copied()),
+            // The message lists them.
+            (Kind::Choice(names), Some(text)) => match nearest(text, names.iter().copied()) {
+                Some(near) => diagnostic.help(format!("did you mean {near:?}?")),
+                None => diagnostic.help(format!("{}: {}", key.name, key.help)),
+            },
             _ => diagnostic.help(format!("{}: {}", key.name, key.help)),
         };
         errors.push(diagnostic);
@@ -207,7 +211,10 @@ fn expected(kind: &Kind) -> String {
         Kind::Integer { min: i64::MIN } => "a whole number".into(),
         Kind::Integer { min } => format!("a whole number of at least {min}"),
         Kind::Number(range) => range.text.into(),
-        Kind::NumberOr(range, names) => format!("{} or one of {names:?}", range.text),
+        Kind::NumberOr(range, names) => {
+            let names: Vec<String> = names.iter().map(|name| format!("{name:?}")).collect();
+            format!("{} or {}", range.text, names.join(" or "))
+        }
         Kind::Text => "a text".into(),
         Kind::Choice(names) => format!("one of {}", names.join(", ")),
         Kind::Vector3 => "a list of three numbers".into(),

@@ -150,6 +150,12 @@ fn vector(building: Building, target: Target) -> Result<Box<dyn Process>, InputE
     let fixes = if target == Target::Nodes { settings.flags("constrained") } else { [false; 3] };
     match (variable, values) {
         (Some((variable, _)), Some(values)) => {
+            if values.iter().all(Option::is_none) {
+                let help = "null leaves a component alone: give at least one a value, or remove the process";
+                errors.push(
+                    settings.error("value", "is null for every component, so this process does nothing").help(help),
+                );
+            }
             errors.or(assign("assign_vector_variable", settings, target, variable, values, fixes))
         }
         _ => Err(errors),
@@ -298,6 +304,17 @@ impl Assign {
     }
 }
 
+impl Assign {
+    fn release(&self, model: &mut Model) {
+        if self.target == Target::Nodes
+            && let Some(members) = &self.members
+            && let Some(part) = model.part_mut(&members.root)
+        {
+            self.fix(part, &members.nodes, false);
+        }
+    }
+}
+
 impl Process for Assign {
     fn name(&self) -> &str {
         self.name
@@ -338,14 +355,14 @@ impl Process for Assign {
         Ok(())
     }
 
+    fn execute_between_pieces(&mut self, context: &mut Context) -> Result<(), Error> {
+        self.execute_finalize_solution_step(context)
+    }
+
     fn execute_finalize_solution_step(&mut self, context: &mut Context) -> Result<(), Error> {
         // Fixity ends with the step, so that a process whose interval is over holds nothing.
-        if self.active
-            && self.target == Target::Nodes
-            && let Some(members) = &self.members
-            && let Some(part) = context.model.part_mut(&members.root)
-        {
-            self.fix(part, &members.nodes, false);
+        if self.active {
+            self.release(context.model);
         }
         Ok(())
     }

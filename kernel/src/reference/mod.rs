@@ -165,6 +165,6 @@ pub fn build(
         let message = format!("there is no reference solution {name:?}");
         return Err(place.error(message).allowed(&name, entries.iter().map(|entry| entry.name)).into());
     };
-    let settings = parameters.without("type").read(entry.keys)?;
+    let settings = parameters.clone().without("/type").read(entry.keys)?;
     (entry.build)(Building { settings, registry, options, project }, compared)
 }

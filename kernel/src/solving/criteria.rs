@@ -39,12 +39,15 @@ impl Criterion {
         !matches!(self, Criterion::Displacement(_))
     }
 
-    /// Judges one iteration. `initial` is the norm of the residual at the start of the step.
-    pub fn met(&self, dofs: &ActiveDofs, initial: f64, residual: &[f64], correction: &[f64], values: &[f64]) -> bool {
+    /// Judges one iteration. `initial` is the norm of the residual at the start of the step; `round_off` of
+    /// each dof is what its residual may be by round-off alone, below which no residual is asked to be.
+    pub fn met(&self, dofs: &ActiveDofs, initial: f64, round_off: &[f64], vectors: [&[f64]; 3]) -> bool {
+        let [residual, correction, values] = vectors;
         let by_residual = |tolerances: &Tolerances| {
             let now = free_norm(dofs, residual);
             let ratio = if initial < f64::EPSILON { 0.0 } else { now / initial };
             tolerances.met(ratio, now / dofs.free().max(1) as f64)
+                || at_round_off(dofs, &(0..dofs.block()), residual, round_off)
         };
         let by_displacement = |tolerances: &Tolerances| {
             let step = free_norm(dofs, correction);
@@ -109,6 +112,7 @@ impl Criterion {
         fields: &[Field],
         references: &References,
         dofs: &ActiveDofs,
+        round_off: &[f64],
         [residual, correction, values]: [&[f64]; 3],
     ) -> bool {
         let by_residual = |tolerances: &Tolerances| {
@@ -116,7 +120,10 @@ impl Criterion {
                 let (now, count) = field_norm(dofs, &field.components, residual);
                 match field.reference {
                     Reference::First if *reference < f64::EPSILON => true,
-                    Reference::First => tolerances.met(now / reference, now / count.max(1) as f64),
+                    Reference::First => {
+                        tolerances.met(now / reference, now / count.max(1) as f64)
+                            || at_round_off(dofs, &field.components, residual, round_off)
+                    }
                     Reference::Largest(scale) => now <= (tolerances.relative * reference).max(1e-15 * scale),
                 }
             })
@@ -138,6 +145,15 @@ impl Criterion {
             Criterion::Or(d, r) => by_displacement(d) || by_residual(r),
         }
     }
+}
+
+/// Whether each free dof of these components has at most the residual that round-off leaves. Each by itself:
+/// what a stiff one may have hides all that a soft one has.
+fn at_round_off(dofs: &ActiveDofs, components: &Range<usize>, residual: &[f64], round_off: &[f64]) -> bool {
+    let block = dofs.block().max(1);
+    let mut free =
+        dofs.fixed().iter().enumerate().filter(|(dof, fixed)| !**fixed && components.contains(&(dof % block)));
+    free.all(|(dof, _)| residual[dof].abs() <= round_off[dof])
 }
 
 /// Euclidean norm over the free dofs of these components, and their number.
@@ -169,14 +185,17 @@ mod tests {
         let t = |relative, absolute| Tolerances { relative, absolute };
         let (r, dx, x) = ([3.0, 4.0, 0.0, 0.0, 99.0], [0.3, 0.4, 0.0, 0.0, 99.0], [3.0, 4.0, 0.0, 0.0, 99.0]);
         // |r| = 5, 4 free dofs: ratio 5/50, absolute 5/4.
-        assert!(Criterion::Residual(t(0.1, 0.0)).met(&dofs, 50.0, &r, &dx, &x));
-        assert!(!Criterion::Residual(t(0.0999, 1.25)).met(&dofs, 50.0, &r, &dx, &x));
-        assert!(Criterion::Residual(t(0.0, 1.2501)).met(&dofs, 50.0, &r, &dx, &x));
+        assert!(Criterion::Residual(t(0.1, 0.0)).met(&dofs, 50.0, &[0.0; 5], [&r, &dx, &x]));
+        assert!(!Criterion::Residual(t(0.0999, 1.25)).met(&dofs, 50.0, &[0.0; 5], [&r, &dx, &x]));
+        assert!(Criterion::Residual(t(0.0, 1.2501)).met(&dofs, 50.0, &[0.0; 5], [&r, &dx, &x]));
         // |dx| = 0.5, |x| = 5: ratio 0.1, absolute 0.5/2.
-        assert!(Criterion::Displacement(t(0.1 + 1e-15, 0.0)).met(&dofs, 50.0, &r, &dx, &x));
-        assert!(!Criterion::Displacement(t(0.09, 0.25)).met(&dofs, 50.0, &r, &dx, &x));
-        assert!(!Criterion::And(t(0.2, 0.0), t(0.01, 0.0)).met(&dofs, 50.0, &r, &dx, &x));
-        assert!(Criterion::Or(t(0.2, 0.0), t(0.01, 0.0)).met(&dofs, 50.0, &r, &dx, &x));
+        assert!(Criterion::Displacement(t(0.1 + 1e-15, 0.0)).met(&dofs, 50.0, &[0.0; 5], [&r, &dx, &x]));
+        assert!(!Criterion::Displacement(t(0.09, 0.25)).met(&dofs, 50.0, &[0.0; 5], [&r, &dx, &x]));
+        assert!(!Criterion::And(t(0.2, 0.0), t(0.01, 0.0)).met(&dofs, 50.0, &[0.0; 5], [&r, &dx, &x]));
+        // Nothing below round-off is asked for, of each dof by itself.
+        assert!(Criterion::Residual(t(0.0, 0.0)).met(&dofs, 50.0, &[3.0, 4.0, 0.0, 0.0, 0.0], [&r, &dx, &x]));
+        assert!(!Criterion::Residual(t(0.0, 0.0)).met(&dofs, 50.0, &[99.0, 3.9, 9.0, 9.0, 9.0], [&r, &dx, &x]));
+        assert!(Criterion::Or(t(0.2, 0.0), t(0.01, 0.0)).met(&dofs, 50.0, &[0.0; 5], [&r, &dx, &x]));
     }
 
     /// Forces of 100 N hide a volume of 1e-3 m³ in a common norm, but not in one of its own.
@@ -191,9 +210,9 @@ mod tests {
         let mut references = References::default();
         references.note(&fields, &dofs, &[60.0, 0.0, 80.0, 0.0]);
         let met = |references: &References, r: [f64; 4]| {
-            criterion.met_by_fields(&fields, references, &dofs, [&r, &[0.0; 4], &[0.0; 4]])
+            criterion.met_by_fields(&fields, references, &dofs, &[0.0; 4], [&r, &[0.0; 4], &[0.0; 4]])
         };
-        assert!(criterion.met(&dofs, 100.0, &[0.0, 1e-3, 0.0, 0.0], &[0.0; 4], &[0.0; 4]));
+        assert!(criterion.met(&dofs, 100.0, &[0.0; 4], [&[0.0, 1e-3, 0.0, 0.0], &[0.0; 4], &[0.0; 4]]));
         assert!(!met(&references, [0.0, 1e-3, 0.0, 0.0]));
         references.note(&fields, &dofs, &[0.0, 1e-3, 0.0, 0.0]);
         assert!(met(&references, [0.1, 1e-6, 0.0, 0.0]));

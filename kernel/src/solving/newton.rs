@@ -2,6 +2,7 @@
 
 use super::criteria::free_norm;
 use super::{ActiveDofs, Criterion, Field, References, System, Tolerances};
+use crate::diagnostic::InputErrors;
 use crate::error::{Error, Failure};
 use crate::parameters::{Key, Kind, Range, Settings};
 use bia_linalg::{LinearError, LinearSolver};
@@ -35,7 +36,7 @@ pub trait NonlinearSystem {
 }
 
 /// Keys of the method in `solver_settings`.
-pub const CONVERGENCE: [Key; 7] = [
+pub const CONVERGENCE: [Key; 8] = [
     Key::new("analysis_type", Kind::Choice(&["non_linear", "linear"]), "\"non_linear\"", "Newton, or one solve a step"),
     Key::new(
         "convergence_criterion",
@@ -53,7 +54,45 @@ pub const CONVERGENCE: [Key; 7] = [
     ),
     Key::new("residual_absolute_tolerance", Kind::Number(Range::NOT_NEGATIVE), "1e-9", "per dof [N]"),
     Key::new("max_iteration", Kind::Integer { min: 1 }, "20", "most Newton iterations a step"),
+    Key::new(
+        "on_no_convergence",
+        Kind::Choice(&["continue", "cut_step", "error"]),
+        "\"continue\"",
+        "implicit: go on with a warning as Kratos does, take the step again in halves, or stop the run",
+    ),
 ];
+
+/// What becomes of a step that does not converge.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum OnNoConvergence {
+    /// The run goes on from it, with a warning.
+    #[default]
+    Continue,
+    /// It is taken again in halves, and so is a step that fails.
+    CutStep,
+    /// The run stops.
+    Error,
+}
+
+impl OnNoConvergence {
+    /// From settings with the keys [`CONVERGENCE`].
+    pub fn of(settings: &Settings) -> Self {
+        match settings.text("on_no_convergence") {
+            "cut_step" => Self::CutStep,
+            "error" => Self::Error,
+            _ => Self::Continue,
+        }
+    }
+
+    /// Refuses anything but the default where nothing is iterated.
+    pub fn refuse(settings: &Settings, errors: &mut InputErrors) {
+        if Self::of(settings) != Self::Continue {
+            let message = format!("{:?} is for implicit runs", settings.text("on_no_convergence"));
+            let help = "leave it out: an explicit step has no iterations that could fail to converge";
+            errors.push(settings.error("on_no_convergence", message).help(help));
+        }
+    }
+}
 
 /// Settings of the method.
 #[derive(Debug, Clone, PartialEq)]
@@ -75,12 +114,29 @@ pub struct StepReport {
     pub converged: bool,
     /// Norm of the residual at the end, if it was built.
     pub residual: f64,
+    /// Name and place of the free dof with the largest residual, where the criterion was not met.
+    pub worst: Option<(String, [f64; 3])>,
+    /// How often the step was halved, at most.
+    pub halvings: u32,
     /// What the linear solver had to say, such as a fall-back to another method.
     pub note: Option<String>,
     /// Time spent on building.
     pub assembly: Duration,
     /// Time spent on linear systems.
     pub linear: Duration,
+}
+
+impl StepReport {
+    /// Adds a later piece of the same step.
+    pub fn add(&mut self, piece: StepReport) {
+        self.iterations += piece.iterations;
+        self.linear_iterations += piece.linear_iterations;
+        self.converged &= piece.converged;
+        self.residual = piece.residual;
+        self.note = self.note.take().or(piece.note);
+        self.assembly += piece.assembly;
+        self.linear += piece.linear;
+    }
 }
 
 impl Newton {
@@ -142,15 +198,20 @@ impl Newton {
                 }
             }
             let (fields, dofs) = (problem.fields(), problem.dofs());
+            let least = round_off(problem, system);
+            let vectors = [&system.rhs, &correction, problem.unknowns()];
             report.converged = if fields.is_empty() {
-                criterion.met(dofs, initial, &system.rhs, &correction, problem.unknowns())
+                criterion.met(dofs, initial, &least, vectors)
             } else {
-                let vectors = [&system.rhs, &correction, problem.unknowns()];
-                criterion.met_by_fields(fields, &references, dofs, vectors)
+                criterion.met_by_fields(fields, &references, dofs, &least, vectors)
             };
             // What a part of a correction leaves is not the end, however small it is.
             report.converged &= !cut;
-            if report.converged || report.iterations >= self.max_iterations {
+            if report.converged {
+                return Ok(report);
+            }
+            if report.iterations >= self.max_iterations {
+                report.worst = worst(problem, &system.rhs);
                 return Ok(report);
             }
         }
@@ -173,6 +234,34 @@ fn evaluate(problem: &mut dyn NonlinearSystem, system: &mut System, correction: 
         }
     }
     Err(whole)
+}
+
+/// Name and place of the free dof with the largest residual.
+fn worst(problem: &dyn NonlinearSystem, rhs: &[f64]) -> Option<(String, [f64; 3])> {
+    let free = rhs.iter().zip(problem.dofs().fixed()).enumerate().filter(|(_, (_, fixed))| !**fixed);
+    let (dof, _) = free.max_by(|(_, (a, _)), (_, (b, _))| a.abs().total_cmp(&b.abs()))?;
+    Some(problem.describe_dof(dof))
+}
+
+/// Round-off of the residual in units of ε h |K_ii|.
+const ROUND_OFF: f64 = 16.0;
+
+/// What the residual of each dof may be by round-off alone. A deformation gradient is known to the machine's
+/// precision ε, as if the nodes at the distance h of neighbours stood wrong by ε h, and a force to ε h |K_ii|:
+/// with a stiffness of 1e10 times the load, no more than six digits of the residual can vanish.
+fn round_off(problem: &dyn NonlinearSystem, system: &System) -> Vec<f64> {
+    let (pattern, block) = (&system.matrix.pattern, system.matrix.pattern.block());
+    let position = |row: usize| problem.describe_dof(row * block).1;
+    let between = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+    let distance = match pattern.rows() {
+        0 => 0.0,
+        _ => {
+            let neighbours = pattern.columns()[pattern.row(0)].iter().map(|&column| position(column as usize));
+            neighbours.map(|x| between(x, position(0))).fold(0.0, f64::max)
+        }
+    };
+    let scale = ROUND_OFF * f64::EPSILON * distance;
+    (0..pattern.order()).map(|dof| scale * system.matrix.diagonal_entry(dof).abs()).collect()
 }
 
 fn timed<T>(total: &mut Duration, work: impl FnOnce() -> T) -> T {

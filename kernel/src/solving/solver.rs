@@ -1,6 +1,7 @@
 //! The solver of an application, as the analysis drives it.
 
 use super::StepReport;
+use super::newton::OnNoConvergence;
 use crate::analysis::FAILED_STATE;
 use crate::diagnostic::InputErrors;
 use crate::error::Error;
@@ -109,6 +110,12 @@ pub trait Solver: Send {
         true
     }
 
+    /// What becomes of a step that does not converge. A step that is cut starts again from what
+    /// [`exchange_state`](Self::exchange_state) kept.
+    fn on_no_convergence(&self) -> OnNoConvergence {
+        OnNoConvergence::Continue
+    }
+
     /// When in a step loads act, as a share of it: at its end, unless the scheme takes forces earlier.
     fn load_time(&self) -> f64 {
         1.0
@@ -136,6 +143,13 @@ pub trait Solver: Send {
     #[allow(unused_variables)]
     fn remarks(&self, model: &Model) -> Vec<String> {
         Vec::new()
+    }
+
+    /// The root part on which bodies move, and which of its nodes they have reached so far; none where bodies
+    /// are meshes.
+    #[allow(unused_variables)]
+    fn reached(&self, model: &Model) -> Option<(&'static str, Vec<bool>)> {
+        None
     }
 
     /// Fixed facts for the account of a run (`n_mp`, `laws`, …).

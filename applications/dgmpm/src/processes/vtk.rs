@@ -2,6 +2,7 @@
 
 use super::{elements_of, points_of};
 use crate::engine::Points;
+use crate::fields::{DERIVED, OF_POINTS};
 use crate::results::{dataset, field};
 use bia_kernel::diagnostic::InputErrors;
 use bia_kernel::error::Error;
@@ -72,7 +73,7 @@ impl PointOutput {
         }
         for place in self.variables() {
             let name = place.value().as_str().unwrap_or_default();
-            if let Some(variable) = crate::fields::OF_POINTS.iter().find(|variable| variable.name == name) {
+            if let Some(variable) = OF_POINTS.iter().chain(DERIVED).find(|variable| variable.name == name) {
                 fields.push(field(engine, &chosen, variable));
             }
         }
@@ -106,6 +107,9 @@ impl Process for PointOutput {
             variable: place.value().as_str().unwrap_or_default().to_string(),
             place,
         }));
+        let path = self.settings.text("model_part_name");
+        let name = self.files.name(path.rsplit('.').next().unwrap_or(path));
+        self.files.claim(&name, requirements, self.settings.parameters());
     }
 
     fn execute_initialize(&mut self, _: &mut Context) -> Result<(), Error> {

@@ -49,7 +49,6 @@ impl Explicit {
     /// The end of an unstable run.
     pub(super) fn failure(&self, points: &MaterialPoints, trouble: &Trouble, time_step: f64) -> Error {
         let block = &points.blocks[trouble.block];
-        let gradient = block.deformation_gradient(trouble.point);
         let name = format!("material point {}", block.ids[trouble.point]);
         let advice = match self.limits.stable_step() {
             stable if time_step > stable => {
@@ -59,12 +58,12 @@ impl Explicit {
                   little material"
                 .to_string(),
         };
-        let jacobian = format!("J = {:e}", gradient.determinant());
+        let jacobian = block.describe(trouble.point);
         let (what, detail) = match &trouble.cause {
             Cause::Law(error) => (format!("the law {} has no answer: {error}", block.law.name()), jacobian),
             Cause::Inverted(jacobian) => {
                 let what = "the run is unstable: a material point is turned inside out";
-                (what.to_string(), format!("J = {jacobian:e}"))
+                (what.to_string(), format!("J = {jacobian:e} in this step; {}", block.describe(trouble.point)))
             }
             Cause::Moved(distance) => {
                 let what = "the run is unstable: a material point moves farther than a cell in one step";

@@ -366,6 +366,5 @@ fn inverted(block: &Block, point: usize, jacobian: f64) -> Failure {
     )
     .at(format!("material point {}", block.ids[point]), block.coordinates(point))
     .detail(format!("J of this step = {jacobian:e}"))
-    .detail(format!("J before this step = {:e}", block.deformation_gradient(point).determinant()))
-    .detail(format!("law: {}", block.law.name()))
+    .detail(format!("before this step: {}", block.describe(point)))
 }

@@ -27,6 +27,7 @@ use bia_kernel::linalg::{LinearSolver, solver};
 use bia_kernel::model::{Model, ModelPart};
 use bia_kernel::processes::{Clock, Context, Location, Process, Requirements, ResetNodes, RunOptions};
 use bia_kernel::registry::Registry;
+use bia_kernel::solving::newton::OnNoConvergence;
 use bia_kernel::solving::solver::{Inventory, Solver};
 use bia_kernel::solving::{ActiveDofs, Criterion, NodalFrames, NonlinearSystem, StepReport, System};
 use element::Rule;
@@ -137,8 +138,9 @@ impl Implicit {
 
     /// Sets the unknowns at the start of the step and the grid's DISPLACEMENT with them.
     ///
-    /// Imposed displacements are increments of the step (spec 03 §3).
-    fn predict_increments(&mut self, grid: &mut ModelPart) {
+    /// Imposed displacements are increments of the step (spec 03 §3), of which a piece of a step has its
+    /// share.
+    fn predict_increments(&mut self, grid: &mut ModelPart, share: f64) {
         let count = grid.nodes.len();
         let fixed = grid.node_fields.fixed(&DISPLACEMENT).map_or(Vec::new(), <[_]>::to_vec);
         let values = grid.node_fields.vector_mut(&DISPLACEMENT, count);
@@ -159,6 +161,11 @@ impl Implicit {
                         value[a] = kratos;
                     }
                 }
+            }
+        }
+        if share < 1.0 && !ignored {
+            for (value, held) in values.iter_mut().zip(&fixed) {
+                (0..3).filter(|a| held[*a]).for_each(|a| value[a] *= share);
             }
         }
         let block = self.dofs.block();
@@ -312,6 +319,10 @@ impl Solver for Implicit {
         exchanged
     }
 
+    fn on_no_convergence(&self) -> OnNoConvergence {
+        OnNoConvergence::of(&self.scene.settings.settings)
+    }
+
     fn load_time(&self) -> f64 {
         self.scene.settings.load_time()
     }
@@ -321,14 +332,14 @@ impl Solver for Implicit {
     }
 
     fn predict(&mut self, context: &mut Context) -> Result<(), Error> {
-        let time_step = context.clock.time_step;
+        let (time_step, share) = (context.clock.time_step, context.clock.share);
         let this = self;
         with_points(context.model, |points, grid| {
             this.timed(SEARCH, |this| this.update_active(points, grid))?;
             this.timed(TO_GRID, |this| {
                 this.gather(points);
                 this.write_nodal_mass(grid);
-                this.predict_increments(grid);
+                this.predict_increments(grid, share);
                 this.predict_pressures(points, grid);
                 this.prepare_inertia(points, grid, time_step)
             })
@@ -455,6 +466,10 @@ impl Solver for Implicit {
 
     fn remarks(&self, model: &Model) -> Vec<String> {
         crate::inventory::remarks(model)
+    }
+
+    fn reached(&self, model: &Model) -> Option<(&'static str, Vec<bool>)> {
+        Some((GRID, self.active.reached_nodes(model.part(GRID)?)))
     }
 
     fn account(&self, model: &Model) -> serde_json::Map<String, serde_json::Value> {

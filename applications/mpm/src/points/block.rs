@@ -1,6 +1,7 @@
 //! Material points as columns, in blocks of one body and one material.
 
 use super::conditions::PointConditions;
+use super::lost::Losses;
 use bia_constitutive::{Kinematics, Law, LawError};
 use bia_kernel::error::Failure;
 use bia_kernel::variables::Column;
@@ -108,6 +109,11 @@ impl Block {
     #[inline]
     pub fn deformation_gradient(&self, point: usize) -> Matrix3<f64> {
         expand(self.gradient.row(point))
+    }
+
+    /// Law, deformation gradient and J of a point, for failures.
+    pub fn describe(&self, point: usize) -> String {
+        describe_deformation(self.law.name(), &self.deformation_gradient(point))
     }
 
     /// Position of a point in m; the third coordinate is 0 in the plane.
@@ -288,12 +294,17 @@ pub fn compress(gradient: &Matrix3<f64>, row: &mut [f64]) {
     }
 }
 
+/// Law, deformation gradient row by row, and its determinant, for failures.
+pub fn describe_deformation(law: &str, gradient: &Matrix3<f64>) -> String {
+    let rows = [0, 1, 2].map(|i| [0, 1, 2].map(|j| format!("{:.6e}", gradient[(i, j)])).join(", "));
+    format!("law {law}, F = [{}], J = {:e}", rows.join("; "), gradient.determinant())
+}
+
 /// A law's refusal as a failure of the run.
 pub fn law_failure(block: &Block, point: usize, gradient: &Matrix3<f64>, error: &LawError) -> Failure {
     Failure::new(format!("the law {} has no answer: {error}", block.law.name()), "a smaller time step or smaller loads")
         .at(format!("material point {}", block.ids[point]), block.coordinates(point))
-        .detail(format!("deformation gradient: {:?}", gradient.transpose().as_slice()))
-        .detail(format!("J = {:e}", gradient.determinant()))
+        .detail(describe_deformation(block.law.name(), gradient))
 }
 
 /// One body or all of them.
@@ -326,10 +337,8 @@ pub struct MaterialPoints {
     pub blocks: Vec<Block>,
     /// Material-point conditions.
     pub conditions: PointConditions,
-    /// Points erased because they left the grid.
-    pub lost: usize,
-    /// Mass erased with them, in kg.
-    pub lost_mass: f64,
+    /// What has left the grid.
+    pub losses: Losses,
 }
 
 impl MaterialPoints {

@@ -46,8 +46,7 @@ impl MaterialPoints {
     /// # Errors
     /// The checkpoint has other columns.
     pub fn exchange(&mut self, archive: &mut Archive) -> Result<(), CheckpointError> {
-        archive.count("lost", &mut self.lost)?;
-        archive.number("lost mass", &mut self.lost_mass)?;
+        self.losses.exchange(archive)?;
         for (index, block) in self.blocks.iter_mut().enumerate() {
             archive.section(&format!("block {index}"), |archive| block.exchange(archive))?;
         }

@@ -3,6 +3,7 @@
 use super::block::{Block, Columns, MaterialPoints, compress, gradient_width};
 use super::conditions::PointConditions;
 use super::layout::Layout;
+use super::lost::Losses;
 use crate::settings::Placement;
 use bia_constitutive::{BodyMaterial, BuiltLaw, Catalogue, Deformation, Kinematics, Options, VolumetricLaw};
 use bia_kernel::diagnostic::{Diagnostic, InputErrors, Place};
@@ -76,8 +77,7 @@ pub fn generate(plan: &Plan) -> Result<MaterialPoints, InputErrors> {
         bodies: Vec::new(),
         blocks: Vec::new(),
         conditions: PointConditions::default(),
-        lost: 0,
-        lost_mass: 0.0,
+        losses: Losses::default(),
     };
     let mut layouts = Vec::new();
     let runs = runs(plan, &mut points, &mut layouts, &mut errors);

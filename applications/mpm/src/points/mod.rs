@@ -7,10 +7,14 @@ mod exchange;
 pub mod fields;
 mod generate;
 mod layout;
+pub mod lost;
 mod measures;
 mod read;
 #[cfg(test)]
 mod tests;
 
-pub use block::{Block, Columns, MaterialPoints, Scratch, Selection, compress, expand, gradient_width, law_failure};
+pub use block::{
+    Block, Columns, MaterialPoints, Scratch, Selection, compress, describe_deformation, expand, gradient_width,
+    law_failure,
+};
 pub use generate::{Plan, across, generate};

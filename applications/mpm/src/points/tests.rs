@@ -1,6 +1,7 @@
 use super::fields::{append, names, total_energies};
 use super::*;
 use crate::points::conditions::PointConditions;
+use crate::points::lost::Losses;
 use bia_constitutive::{Kinematics, LameParameters, NeoHookean};
 use bia_kernel::io::json::JsonObject;
 use bia_kernel::model::{Model, ModelPart};
@@ -63,8 +64,7 @@ fn points(blocks: Vec<Block>) -> MaterialPoints {
         bodies: vec!["A".into(), "B".into()],
         blocks,
         conditions: PointConditions::default(),
-        lost: 0,
-        lost_mass: 0.0,
+        losses: Losses::default(),
     }
 }
 

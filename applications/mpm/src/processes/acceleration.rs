@@ -29,7 +29,7 @@ pub fn register(registry: &mut Registry) {
         application: Some("MPMApplication"),
         keys: KEYS,
         help: "body force per mass on material points",
-        build: |building| Ok(Box::new(AssignToPoints::new(building, Quantity::Gravity))),
+        build: |building| Ok(Box::new(AssignToPoints::new(building, Quantity::Gravity)?)),
     });
     registry.process(ProcessEntry {
         name: "assign_initial_velocity_to_material_point_process",
@@ -37,7 +37,7 @@ pub fn register(registry: &mut Registry) {
         application: Some("MPMApplication"),
         keys: KEYS,
         help: "velocity of material points at the start",
-        build: |building| Ok(Box::new(AssignToPoints::new(building, Quantity::Velocity))),
+        build: |building| Ok(Box::new(AssignToPoints::new(building, Quantity::Velocity)?)),
     });
 }
 
@@ -55,10 +55,14 @@ struct AssignToPoints {
 }
 
 impl AssignToPoints {
-    fn new(building: Building, quantity: Quantity) -> Self {
-        let modulus = building.settings.number("modulus");
-        let vector = building.settings.vector("direction").map(|d| modulus * d);
-        Self { quantity, vector, settings: building.settings, kratos_exact: building.options.kratos_exact }
+    fn new(building: Building, quantity: Quantity) -> Result<Self, InputErrors> {
+        let (modulus, direction) = (building.settings.number("modulus"), building.settings.vector("direction"));
+        if modulus != 0.0 && direction == [0.0; 3] {
+            let error = building.settings.error("direction", "is the zero vector, so this process does nothing");
+            return Err(error.help("such as [0.0, -1.0, 0.0], or a modulus of 0").into());
+        }
+        let vector = direction.map(|d| modulus * d);
+        Ok(Self { quantity, vector, settings: building.settings, kratos_exact: building.options.kratos_exact })
     }
 }
 

@@ -109,6 +109,7 @@ impl Process for Energy {
 
     fn require(&self, requirements: &mut Requirements) {
         requirements.energies = true;
+        requirements.write(&self.path, self.settings.parameters());
     }
 
     fn execute_before_solution_loop(&mut self, context: &mut Context) -> Result<(), Error> {

@@ -52,7 +52,7 @@ pub fn register(registry: &mut Registry) {
                 };
                 if on_condition { &mut of_conditions } else { &mut of_points }.push((name, place));
             }
-            Ok(Box::new(PointOutput { settings, files, control, kind, of_points, of_conditions }))
+            Ok(Box::new(PointOutput { settings, files, control, kind, file: String::new(), of_points, of_conditions }))
         },
     });
 }
@@ -62,6 +62,8 @@ struct PointOutput {
     files: VtkFiles,
     control: OutputControl,
     kind: CellKind,
+    /// How the names of the files of points begin, but for the prefix.
+    file: String,
     /// Variables and the places that ask for them.
     of_points: Vec<(String, Parameters)>,
     of_conditions: Vec<(String, Parameters)>,
@@ -179,6 +181,10 @@ impl Process for PointOutput {
     fn connect(&mut self, model: &mut Model) -> Result<(), InputErrors> {
         let mut errors = InputErrors::default();
         errors.absorb(check_part(model, &self.settings));
+        let initial = model.parts().iter().find_map(|part| part.name.strip_prefix("Initial_"));
+        let path = self.settings.text("model_part_name");
+        let below = path.rsplit('.').next().unwrap_or(path);
+        self.file = if path == GRID { initial.unwrap_or(path) } else { below }.into();
         errors.absorb(self.files.check_folder(&self.settings));
         errors.or(())
     }
@@ -191,6 +197,7 @@ impl Process for PointOutput {
             variable: variable.clone(),
             place: place.clone(),
         }));
+        self.files.claim(&self.files.name(&self.file), requirements, self.settings.parameters());
     }
 
     fn execute_initialize(&mut self, _: &mut Context) -> Result<(), Error> {

@@ -4,6 +4,7 @@ use super::{Basis, Discretisation, ExplicitSettings, Frame, Regime, Scheme, Tran
 use super::{conserves_energy, explicit, scheme_name};
 use bia_kernel::diagnostic::InputErrors;
 use bia_kernel::parameters::Settings;
+use bia_kernel::solving::newton::OnNoConvergence;
 
 /// What the energy-conserving scheme and implicit transfers cannot be combined with.
 pub fn check_implicit(s: &Settings, regime: Regime, errors: &mut InputErrors) {
@@ -51,6 +52,7 @@ pub fn check_scheme(s: &Settings, is_explicit: bool, errors: &mut InputErrors) {
 /// Choices of explicit runs that do not go together.
 pub fn check_explicit(s: &Settings, errors: &mut InputErrors) {
     check_polynomials(s, errors);
+    OnNoConvergence::refuse(s, errors);
     let ExplicitSettings { scheme, transfer, compressible, moves_by_point, consistent_mass, .. } = explicit(s);
     let frame = Discretisation::of(s).frame;
     let mut refuse = |wrong: bool, key: &str, message: &str, help: &str| {

@@ -15,7 +15,7 @@ const SEARCH: &[Key] = &[
 ];
 
 /// Keys of `solver_settings`.
-pub const KEYS: &[Key] = &Key::join::<7, 45, 52>(
+pub const KEYS: &[Key] = &Key::join::<8, 46, 54>(
     CONVERGENCE,
     [
         Key::required("solver_type", Kind::Text, "static, quasi_static or dynamic"),
@@ -153,6 +153,12 @@ pub const KEYS: &[Key] = &Key::join::<7, 45, 52>(
         Key::new("auxiliary_variables_list", Kind::Texts, "[]", "accepted; columns are allocated on demand"),
         Key::new("auxiliary_dofs_list", Kind::Texts, "[]", "accepted"),
         Key::new("auxiliary_reaction_list", Kind::Texts, "[]", "accepted"),
+        Key::optional(
+            "lost_points",
+            Kind::Choice(&["erase", "error", "clamp"]),
+            "what becomes of points that leave the grid: erased with their mass (as remove_entities_not_found has \
+             it by default), the run stops, or they go back to the border as to a smooth wall",
+        ),
         Key::optional("linear_solver_settings", Kind::Any, "the linear solver"),
         Key::new("element_search_settings", Kind::Object(SEARCH), "{}", "the search"),
         Key::new("model_import_settings", Kind::Object(MESH_IMPORT), "{}", "mesh of the bodies")

@@ -10,6 +10,7 @@ pub use discretisation::{Basis, Discretisation, Frame, Placement, Transfer};
 pub use keys::KEYS;
 pub use mixed::{ElementSize, MixedSettings, Stabilization, Variant};
 
+use crate::points::lost::LostPoints;
 use bia_constitutive::{Kinematics, MaterialSource};
 use bia_kernel::diagnostic::InputErrors;
 use bia_kernel::linalg::Method;
@@ -112,8 +113,8 @@ pub struct SolverSettings {
     pub discretisation: Discretisation,
     /// Tolerance of the search in local coordinates.
     pub search_tolerance: f64,
-    /// Points that leave the grid are erased; else they stay without a cell and without effect.
-    pub erase_lost: bool,
+    /// What becomes of points that leave the grid.
+    pub lost_points: LostPoints,
     /// Mesh of the grid.
     pub grid: MeshSource,
     /// Mesh of the bodies.
@@ -149,6 +150,7 @@ impl SolverSettings {
         check_scheme(&s, is_explicit, &mut errors);
         check_mixed(&s, is_explicit, &mut errors);
         check_frame(&s, &mut errors);
+        LostPoints::check(&s, &mut errors);
         if is_explicit {
             check_explicit(&s, &mut errors);
         } else {
@@ -180,7 +182,7 @@ impl SolverSettings {
             consistent_mass: s.flag("consistent_mass_matrix"),
             discretisation: Discretisation::of(&s),
             search_tolerance: s.nested("element_search_settings").map_or(1e-5, |n| n.number("searching_tolerance")),
-            erase_lost: s.nested("element_search_settings").is_none_or(|n| n.flag("remove_entities_not_found")),
+            lost_points: LostPoints::of(&s),
             grid,
             bodies,
             materials,

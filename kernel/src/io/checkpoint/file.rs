@@ -44,6 +44,29 @@ pub fn write(
     }
 }
 
+/// Keeps the state in memory, so that a run can go back to it.
+///
+/// # Errors
+/// Those of `exchange`.
+pub fn keep(
+    exchange: &mut dyn FnMut(&mut Archive) -> Result<(), CheckpointError>,
+) -> Result<Contents, CheckpointError> {
+    let mut archive = Archive::listing();
+    exchange(&mut archive)?;
+    let (mut contents, mut offset) = (Contents::default(), 0);
+    if let Mode::Listing { columns, values } = archive.mode {
+        contents.values = values;
+        for (name, entry) in columns {
+            let length = entry.count * entry.width * size_of_type(entry.kind).unwrap_or(0);
+            contents.columns.insert(name, (entry, offset));
+            offset += length;
+        }
+    }
+    contents.bytes.reserve_exact(offset);
+    exchange(&mut Archive::writing(&mut contents.bytes))?;
+    Ok(contents)
+}
+
 /// Whether all components can be saved; writes nothing.
 ///
 /// # Errors

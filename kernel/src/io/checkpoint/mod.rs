@@ -100,7 +100,7 @@ enum Mode<'a> {
 }
 
 /// What a checkpoint file holds.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Contents {
     /// Members that the writer put beside the columns.
     pub head: Map<String, Value>,

@@ -157,3 +157,14 @@ fn mapped_grids_and_bodies_lie_on_each_other() {
     let part = grid(json!({"min": [0, 0, 0], "max": [1, 1, 1], "divisions": [2, 2, 2], "map": cube}));
     close(measure(&part), 8.0, 1e-15);
 }
+
+/// Materials are given to parts: a box holds the cells that lie in it.
+#[test]
+fn a_box_holds_its_cells() {
+    let part = grid(json!({"min": [-1, 0, 0], "max": [1, 1, 0], "divisions": [4, 2], "parts": [
+        {"name": "Left", "box": {"min": [-1, 0, 0], "max": [0, 1, 0]}},
+        {"name": "Middle", "box": {"min": [-0.6, 0, 0], "max": [0.6, 0.5, 0]}},
+        {"name": "Floor", "box": {"min": [-1, 0, 0], "max": [1, 0, 0]}}]}));
+    let cells: Vec<&[u32]> = part.children.iter().map(|child| child.elements.as_slice()).collect();
+    assert_eq!(cells, [&[0, 1, 4, 5][..], &[1, 2], &[]]);
+}

@@ -6,7 +6,7 @@ use crate::error::Error;
 use crate::io::checkpoint::{Archive, CheckpointError};
 use crate::io::history::{HistoryWriter, Series};
 use crate::model::Model;
-use crate::parameters::{Key, Kind};
+use crate::parameters::{Key, Kind, Parameters};
 use crate::processes::quantity::Quantity;
 use crate::processes::{Context, Process, Requirements};
 use crate::registry::Building;
@@ -34,6 +34,7 @@ pub struct JsonOutput<S> {
     source: S,
     quantities: Vec<Quantity>,
     path: PathBuf,
+    place: Parameters,
     resultant: bool,
     countdown: Countdown,
     writer: Option<HistoryWriter>,
@@ -63,7 +64,8 @@ impl<S: EntitySource> JsonOutput<S> {
         let (path, resultant) = (building.options.output.join(file), settings.flag("resultant_solution"));
         errors.absorb(building.result_file(path.clone()));
         let countdown = Countdown::new(settings);
-        errors.or(Self { name, source, quantities, path, resultant, countdown, writer: None })
+        let place = settings.parameters().clone();
+        errors.or(Self { name, source, quantities, path, place, resultant, countdown, writer: None })
     }
 
     fn failed(&self, source: std::io::Error) -> Error {
@@ -82,6 +84,7 @@ impl<S: EntitySource> Process for JsonOutput<S> {
 
     fn require(&self, requirements: &mut Requirements) {
         Quantity::require(&self.quantities, self.source.location(), requirements);
+        requirements.write(&self.path, &self.place);
     }
 
     fn execute_before_solution_loop(&mut self, context: &mut Context) -> Result<(), Error> {

@@ -1,15 +1,15 @@
 //! The folder, names and formats of a process's VTK files.
 
-use super::super::{Clock, RunOptions};
+use super::super::{Clock, Requirements, RunOptions};
 use crate::diagnostic::InputErrors;
 use crate::error::Error;
 use crate::io::checkpoint::{Archive, CheckpointError};
 use crate::io::dataset::Dataset;
-use crate::io::files::remove_unfinished;
+use crate::io::files::{remove_unfinished, resolve};
 use crate::io::pvd::PvdSeries;
 use crate::io::vtk_legacy::{Encoding, write_legacy};
 use crate::io::vtu::{VtuOptions, write_vtu};
-use crate::parameters::{Key, Kind, Range, Settings};
+use crate::parameters::{Key, Kind, Parameters, Range, Settings};
 use std::collections::BTreeMap;
 use std::fs;
 use std::io;
@@ -24,8 +24,18 @@ pub const FILES: [Key; 14] = [
         "legacy VTK as text or binary, or compressed .vtu files with a .pvd series",
     ),
     Key::new("output_precision", Kind::Integer { min: 0 }, "7", "digits after the point in text files and labels"),
-    Key::new("single_precision", Kind::Bool, "false", "write .vtu files in single precision: half the size"),
-    Key::new("output_control_type", Kind::Choice(&["step", "time"]), "\"step\"", "what output_interval counts"),
+    Key::new(
+        "precision",
+        Kind::Choice(&["float64", "float32"]),
+        "\"float64\"",
+        "numbers of .vtu files; float32 halves their size and keeps 7 digits",
+    ),
+    Key::new(
+        "output_control_type",
+        Kind::Choice(&["step", "time", "wall_time"]),
+        "\"step\"",
+        "what output_interval counts: steps, simulated time, or time on the wall",
+    ),
     Key::new(
         "output_interval",
         Kind::Number(Range::NOT_NEGATIVE),
@@ -93,6 +103,12 @@ impl VtkFiles {
         if digits > MOST_DIGITS {
             return Err(settings.error("output_precision", format!("must be at most {MOST_DIGITS}")).into());
         }
+        if settings.text("precision") == "float32" && settings.text("file_format") != "vtu" {
+            let fault = settings.error("precision", "float32 is for files of the format vtu");
+            return Err(fault
+                .help("set \"file_format\": \"vtu\"; legacy files are written as Kratos writes them")
+                .into());
+        }
         let precision = digits as usize;
         let own_folder = settings.flag("save_output_files_in_folder");
         let below = if own_folder { settings.text("output_path") } else { "" };
@@ -102,7 +118,7 @@ impl VtkFiles {
             project: [options.folder.clone(), options.output.clone()],
             format: match settings.text("file_format") {
                 "ascii" => Format::Legacy(Encoding::Ascii { precision }),
-                "vtu" => Format::Vtu { single_precision: settings.flag("single_precision") },
+                "vtu" => Format::Vtu { single_precision: settings.text("precision") == "float32" },
                 _ => Format::Legacy(Encoding::Binary),
             },
             prefix: settings.text("custom_name_prefix").into(),
@@ -131,6 +147,12 @@ impl VtkFiles {
         &self.written
     }
 
+    /// Says that the files of this name are written here, so that no other process takes their place.
+    pub fn claim(&self, name: &str, requirements: &mut Requirements, place: &Parameters) {
+        let extension = if self.is_vtu() { "vtu" } else { "vtk" };
+        requirements.write(&self.folder.join(format!("{name}_0_*.{extension}")), place);
+    }
+
     /// Checks that the folder may be emptied at the start; changes nothing.
     ///
     /// # Errors
@@ -145,7 +167,7 @@ impl VtkFiles {
             Err(diagnostic.help(help).into())
         };
         let shown = self.folder.display();
-        if self.project.iter().any(|project| same_folder(project, &self.folder)) {
+        if self.project.iter().any(|project| resolve(project) == resolve(&self.folder)) {
             return refuse(format!("{shown:?} is the folder of the project or of all results"));
         }
         if !self.folder.exists() {
@@ -288,15 +310,6 @@ impl VtkFiles {
             None => Ok(()),
         }
     }
-}
-
-/// Whether two paths lead to one folder; an empty path is the working folder.
-fn same_folder(a: &Path, b: &Path) -> bool {
-    let real = |path: &Path| {
-        let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
-        path.canonicalize().ok()
-    };
-    real(a).is_some_and(|a| real(b) == Some(a))
 }
 
 /// Names of what the folder holds beside VTK files.

@@ -146,6 +146,9 @@ impl Process for MeshOutput {
     fn require(&self, requirements: &mut Requirements) {
         Quantity::require(&self.nodal, Location::Nodes, requirements);
         Quantity::require(&self.elemental, Location::Elements, requirements);
+        for (name, _) in &self.parts {
+            self.files.claim(name, requirements, self.settings.parameters());
+        }
     }
 
     fn execute_initialize(&mut self, _: &mut Context) -> Result<(), Error> {
