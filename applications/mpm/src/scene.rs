@@ -147,9 +147,7 @@ impl Scene {
         let elements = grid.elements.len() + bodies.elements.len() + points.len();
         points.conditions = conditions::generate(grid, &requests, &locator, elements)?;
         carriers::choose(&mut points);
-        if !space.is_mesh() {
-            localise(&mut points, &space);
-        }
+        localise(&mut points, &space);
         let symmetric = points.blocks.iter().all(|block| block.law.is_symmetric());
         tracing::debug!("{}", locator.describe());
         (self.locator, self.space) = (Some(locator), space);
@@ -254,18 +252,20 @@ pub fn with_points<T>(
     result
 }
 
-/// Gives points and conditions the local coordinates of functions that are not the mesh's.
+/// Gives points and conditions the local coordinates of the grid's functions, given those in the mesh's cells.
 fn localise(points: &mut MaterialPoints, space: &Space) {
     let dimension = points.dimension();
     for block in points.blocks.iter_mut().filter(|block| block.local.is_used()) {
         for point in 0..block.len() {
-            let xi = space.local(block.cell[point] as usize, block.coordinates(point), [0.0; 3]);
+            let row = block.local.row(point);
+            let of_mesh = std::array::from_fn(|a| row.get(a).copied().unwrap_or(0.0));
+            let xi = space.local(block.cell[point] as usize, block.coordinates(point), of_mesh);
             block.local.row_mut(point).copy_from_slice(&xi[..dimension]);
         }
     }
     let conditions = &mut points.conditions;
     for i in 0..conditions.len() {
-        conditions.local[i] = space.local(conditions.cell[i] as usize, conditions.position[i], [0.0; 3]);
+        conditions.local[i] = space.local(conditions.cell[i] as usize, conditions.position[i], conditions.local[i]);
     }
 }
 

@@ -95,7 +95,7 @@ impl Explicit {
             scene: Scene::new(settings, options),
             settings: explicit,
             faults,
-            mapping: Mapping { affine: false, stored: true },
+            mapping: Mapping { affine: false, stored: true, inset: false },
             search: Search::default(),
             active: ActiveCells::default(),
             patches: Patches::default(),
@@ -244,6 +244,7 @@ impl Solver for Explicit {
         if let Some(grid) = model.part(GRID) {
             self.mapping = search::mapping(grid, &self.scene.settings.discretisation);
             self.mapping.stored |= self.settings.consistent_mass;
+            self.mapping.inset &= !self.scene.options.kratos_exact;
         }
         let dimension = self.scene.settings.dimension;
         let needed = Columns {
