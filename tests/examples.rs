@@ -66,7 +66,9 @@ fn assert_close(found: f64, expected: f64, relative: f64) {
 #[test]
 fn each_example_has_its_number() {
     let folders = std::fs::read_dir(examples()).unwrap().map(|entry| entry.unwrap());
-    let found: BTreeSet<String> = folders.map(|entry| entry.file_name().into_string().unwrap()).collect();
+    // A crate has tests of its own.
+    let scenes = folders.filter(|entry| !entry.path().join("Cargo.toml").exists());
+    let found: BTreeSet<String> = scenes.map(|entry| entry.file_name().into_string().unwrap()).collect();
     let tested = [
         "bending_column",
         "cantilever",

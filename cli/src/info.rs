@@ -1,6 +1,6 @@
 //! `bia info`, `bia schema`, `bia completions`: what this program knows.
 
-use crate::{Cli, report};
+use crate::{Cli, reference, report};
 use bia_kernel::analysis::project_schema;
 use bia_kernel::diagnostic::nearest;
 use bia_kernel::io::mdpa::Category;
@@ -16,26 +16,32 @@ use std::process::ExitCode;
 pub struct InfoArguments {
     /// A component or variable; its keys, units, ranges and defaults are shown
     name: Option<String>,
+    /// Write everything as a page in Markdown: docs/reference.md
+    #[arg(long, conflicts_with = "name")]
+    markdown: bool,
 }
 
 /// What is shown of one component.
-struct Component {
-    names: Vec<String>,
-    help: String,
-    keys: &'static [Key],
-    values: Vec<[String; 4]>,
+pub(crate) struct Component {
+    pub names: Vec<String>,
+    pub help: String,
+    pub keys: &'static [Key],
+    /// Keys of objects in lists, with words for which they are.
+    pub lists: Vec<(String, &'static [Key])>,
+    /// What a law takes: name, unit, range, meaning.
+    pub values: Vec<[String; 4]>,
 }
 
 impl Component {
     fn new(names: Vec<String>, help: &str, keys: &'static [Key]) -> Self {
-        Self { names, help: help.into(), keys, values: Vec::new() }
+        Self { names, help: help.into(), keys, lists: Vec::new(), values: Vec::new() }
     }
 }
 
 impl From<Description> for Component {
     fn from(of: Description) -> Self {
         let names = std::iter::once(of.name).chain(of.aliases).collect();
-        Self { names, help: of.help, keys: &[], values: of.values }
+        Self { names, help: of.help, keys: &[], lists: Vec::new(), values: of.values }
     }
 }
 
@@ -47,7 +53,10 @@ fn sections(registry: &Registry) -> Vec<(&'static str, Vec<Component>)> {
         let names = std::iter::once(entry.name).chain(entry.aliases.iter().copied()).collect::<Vec<_>>();
         Component::new(owned(&names), entry.help, entry.keys)
     });
-    let modelers = registry.modelers().iter().map(|entry| Component::new(owned(&[entry.name]), entry.help, entry.keys));
+    let modelers = registry.modelers().iter().map(|entry| Component {
+        lists: (entry.lists)(),
+        ..Component::new(owned(&[entry.name]), entry.help, entry.keys)
+    });
     let cells = |category| {
         let of_kind = registry.cells(category);
         of_kind.map(|(name, shape)| Component::new(owned(&[name]), shape.name(), &[])).collect::<Vec<_>>()
@@ -72,6 +81,10 @@ fn sections(registry: &Registry) -> Vec<(&'static str, Vec<Component>)> {
 /// Lists everything, or shows one component.
 pub fn info(arguments: &InfoArguments, registry: &Registry) -> ExitCode {
     let sections = sections(registry);
+    if arguments.markdown {
+        say!("{}", reference::page(&sections).trim_end());
+        return ExitCode::SUCCESS;
+    }
     let Some(wanted) = &arguments.name else {
         for (title, components) in &sections {
             say!("{title}");
@@ -105,6 +118,10 @@ fn show(title: &str, component: &Component) {
     say!("{} — {title}", component.names.join(", "));
     say!("  {}", component.help);
     show_keys(component.keys, 1);
+    for (what, keys) in &component.lists {
+        say!("  {what}:");
+        show_keys(keys, 2);
+    }
     for [name, unit, range, help] in &component.values {
         say!("  {name:36} [{unit}], {range}: {help}");
     }
@@ -113,11 +130,7 @@ fn show(title: &str, component: &Component) {
 fn show_keys(keys: &[Key], depth: usize) {
     for key in keys {
         let indent = "  ".repeat(depth);
-        let default = match key.default {
-            Default::Required => "required".to_string(),
-            Default::Absent => "optional".to_string(),
-            Default::Json(text) => format!("default {text}"),
-        };
+        let default = default_of(key);
         let width = 38 - 2 * depth.min(10);
         say!("{indent}{:width$} {}, {default}: {}", key.name, kind_of(key.kind), key.help);
         if let Kind::Object(inner) = key.kind {
@@ -126,7 +139,17 @@ fn show_keys(keys: &[Key], depth: usize) {
     }
 }
 
-fn kind_of(kind: Kind) -> String {
+/// Whether a key must be given, or what holds without it.
+pub(crate) fn default_of(key: &Key) -> String {
+    match key.default {
+        Default::Required => "required".to_string(),
+        Default::Absent => "optional".to_string(),
+        Default::Json(text) => format!("default {text}"),
+    }
+}
+
+/// What values a key takes.
+pub(crate) fn kind_of(kind: Kind) -> String {
     match kind {
         Kind::Bool => "true or false".into(),
         Kind::Integer { min } => format!("whole number >= {min}"),

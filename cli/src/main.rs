@@ -1,8 +1,10 @@
 //! The `bia` command: parse arguments, register applications, run, show progress and errors.
 
+mod convert;
 mod info;
 mod new;
 mod progress;
+mod reference;
 mod report;
 mod run;
 mod signal;
@@ -28,6 +30,8 @@ const EXAMPLES: &str = "Examples:
   bia explain ProjectParameters.json             stages and memory, and what the scene does without
   bia new scene --template falling-disc          write a project to begin with
   bia info Dynamic                               the keys of a solver, process, modeler or law
+  bia info --markdown                            the same of everything, as a page
+  bia convert plate.msh plate.mdpa               a mesh from one format to another, groups and parts kept
   bia schema > bia.schema.json                   for editors, in a member $schema of the project
   bia study STUDY.json                           compare methods: error against run time, as a page
   bia run P.json --resume                        go on from the newest checkpoint of the project
@@ -46,10 +50,14 @@ enum Command {
     Explain(run::ExplainArguments),
     /// Run a family of projects and report their errors against their run times
     Study(study::StudyArguments),
+    /// Run scenes by all methods that can, and report which stay stable
+    Survey(study::StudyArguments),
     /// Write a project to begin with
     New(new::NewArguments),
     /// List all solvers, processes, modelers, laws and variables, or show one
     Info(info::InfoArguments),
+    /// Convert a mesh between Gmsh's .msh, Kratos's .mdpa and VTK's .vtu
+    Convert(convert::ConvertArguments),
     /// Print the JSON Schema of projects, with which editors complete and check them
     Schema,
     /// Print completions for a shell
@@ -90,8 +98,10 @@ fn main() -> ExitCode {
         Command::Check(arguments) => run::check(&arguments, &registry()),
         Command::Explain(arguments) => run::explain(&arguments, &registry()),
         Command::Study(arguments) => study::study(&arguments),
+        Command::Survey(arguments) => study::survey(&arguments),
         Command::New(arguments) => new::new(&arguments),
         Command::Info(arguments) => info::info(&arguments, &registry()),
+        Command::Convert(arguments) => convert::convert(&arguments, &registry()),
         Command::Schema => info::schema(&registry()),
         Command::Completions { shell } => info::completions(shell),
     }

@@ -37,6 +37,9 @@ pub struct RunArguments {
     /// Write a summary of the run, whatever its end: counts, times, memory, errors and measured values, as JSON
     #[arg(long, value_name = "FILE")]
     summary: Option<PathBuf>,
+    /// End at once when standard input ends: with the study that has started this run, however it died
+    #[arg(long, hide = true)]
+    end_with_input: bool,
     /// States in the account beside the first
     #[arg(long, value_name = "N", default_value = "5")]
     record_states: NonZeroUsize,
@@ -53,6 +56,13 @@ pub fn run(arguments: &RunArguments, registry: &Registry) -> ExitCode {
     {
         report::complain!("error: {message}");
         return ExitCode::from(2);
+    }
+    if arguments.end_with_input {
+        std::thread::spawn(|| {
+            // An error is an end, too.
+            let _ = std::io::copy(&mut std::io::stdin(), &mut std::io::sink());
+            std::process::exit(143);
+        });
     }
     let signal = Signal::wait();
     let (end, analysis) = match start_threads(arguments.threads) {
@@ -85,7 +95,7 @@ pub fn run(arguments: &RunArguments, registry: &Registry) -> ExitCode {
 /// How a run ended.
 pub enum End {
     /// Done, or stopped by a signal after a whole step.
-    Done(Account),
+    Done(Box<Account>),
     /// The input is wrong, or its results have no place.
     Refused(InputErrors),
     /// It went wrong.
@@ -128,7 +138,7 @@ fn execute(arguments: &RunArguments, threads: usize, registry: &Registry, signal
     };
     progress.finish();
     let end = match result {
-        Ok(account) => End::Done(account),
+        Ok(account) => End::Done(Box::new(account)),
         Err(Error::Input(errors)) => End::Refused(errors),
         Err(error) => End::Failed(error),
     };

@@ -6,7 +6,7 @@ use crate::geometry::Shape;
 use crate::io::mdpa::{Category, CellNames};
 use crate::model::Model;
 use crate::parameters::{Key, Parameters, Settings};
-use crate::processes::{Process, RunOptions};
+use crate::processes::{Location, Process, RunOptions};
 use crate::solving::solver::Solver;
 use crate::variables::{Rank, Variable};
 use std::any::{Any, TypeId};
@@ -83,6 +83,8 @@ pub struct ModelerEntry {
     pub name: &'static str,
     /// Keys of its `parameters`.
     pub keys: &'static [Key],
+    /// Keys of the objects in its lists, with words for which they are.
+    pub lists: fn() -> Vec<(String, &'static [Key])>,
     /// What it does.
     pub help: &'static str,
     /// Builds it.
@@ -127,6 +129,17 @@ pub struct Kinds {
     pub describe: fn(&Registry) -> Vec<Description>,
 }
 
+/// What a kind of solver can show, so that who asks another one for it learns where it is.
+#[derive(Debug, Clone, Copy)]
+pub struct Provider {
+    /// The solver in words, such as "structural solvers".
+    pub who: &'static str,
+    /// Where the variables are.
+    pub location: Location,
+    /// Their names.
+    pub variables: fn() -> Vec<&'static str>,
+}
+
 /// All components.
 #[derive(Default)]
 pub struct Registry {
@@ -138,6 +151,7 @@ pub struct Registry {
     body_mesh: Option<(&'static str, &'static str)>,
     catalogues: HashMap<TypeId, Box<dyn Any + Send + Sync>>,
     kinds: Vec<Kinds>,
+    providers: Vec<Provider>,
 }
 
 impl Registry {
@@ -215,6 +229,16 @@ impl Registry {
         if !self.kinds.iter().any(|known| known.title == kind.title) {
             self.kinds.push(kind);
         }
+    }
+
+    /// Says what a kind of solver can show.
+    pub fn provider(&mut self, provider: Provider) {
+        self.providers.push(provider);
+    }
+
+    /// What the solvers can show.
+    pub fn providers(&self) -> &[Provider] {
+        &self.providers
     }
 
     /// The kinds of components that applications describe themselves.

@@ -54,6 +54,11 @@ impl Variable {
     }
 }
 
+/// The names of variables.
+pub fn names_of(variables: &[Variable]) -> Vec<&'static str> {
+    variables.iter().map(|variable| variable.name).collect()
+}
+
 /// A node whose value of a vector variable has no component along the normal of a wall.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Slide {

@@ -77,7 +77,7 @@ fn erased_points_are_named_with_their_mass() {
             assert_eq!(code, Some(0), "{words}");
             let (count, lost) = (record["lost_points"].as_u64().unwrap(), record["lost_mass"].as_f64().unwrap());
             let ids: Vec<u64> = record["lost_ids"].as_array().unwrap().iter().map(|id| id.as_u64().unwrap()).collect();
-            assert!(count >= 4 && count < 16 && ids.len() as u64 == count, "{count} {ids:?}");
+            assert!((4..16).contains(&count) && ids.len() as u64 == count, "{count} {ids:?}");
             assert!((lost - 15.625 * count as f64).abs() < 1e-9, "{lost}");
             let kept: f64 = column(&record, "MP_MASS").iter().map(|row| row[0]).sum();
             assert!((kept + lost - 250.0).abs() < 1e-9, "{kept} {lost}");
@@ -214,6 +214,28 @@ fn a_piece_of_a_step_has_its_share_of_the_imposed_motion() {
     assert_eq!((cut.code, short.code), (Some(0), Some(0)), "{}\n{}", cut.words, short.words);
     assert_eq!(cut.record["cut_steps"].as_array().unwrap().len(), 2);
     assert_eq!(column(&cut.record, "MP_COORD"), column(&short.record, "MP_COORD"));
+}
+
+/// One process holds the floor until a time inside of a step, another one from there on, whichever of them
+/// acts first: the body stays on the floor.
+#[test]
+fn what_is_held_changes_between_the_pieces_of_a_step() {
+    let held = |first: &str, second: &str| {
+        let scene = hard("\"on_no_convergence\": \"cut_step\"", "0.01}");
+        let text = scene.text(PROJECT);
+        let begin = text.find("[{\n            \"python_module\": \"assign_vector").unwrap();
+        let block = &text[begin + 1..begin + text[begin..].find("}],").unwrap() + 1];
+        let within = |interval: &str| block.replace("[0.0, \"End\"]", interval);
+        let both = text.replace(block, &format!("{}, {}", within(first), within(second)));
+        run(&scene.write(PROJECT, both))
+    };
+    let (before, after) = ("[0.0, 0.007]", "[0.007, \"End\"]");
+    let (one, other) = (held(before, after), held(after, before));
+    assert_eq!((one.code, other.code), (Some(0), Some(0)), "{}\n{}", one.words, other.words);
+    let whole = run(&hard("\"on_no_convergence\": \"cut_step\"", "0.01}"));
+    for run in [one, other] {
+        assert_eq!(column(&run.record, "MP_COORD"), column(&whole.record, "MP_COORD"));
+    }
 }
 
 #[test]

@@ -159,6 +159,17 @@ pub fn outputs_of_points(every: usize) -> Vec<Value> {
             control(json!({"model_part_name": "MPM_Material", "print_format": ".16e"})),
         ),
         process("mpm_totals_output_process", json!({})),
+        // Its numbers stand in the record, too.
+        process(
+            "error_process",
+            json!({"label": "u", "model_part_name": "MPM_Material", "variable": "MP_DISPLACEMENT",
+                   "reference": {"type": "formula", "value": ["0.1*X*t", "Y*t", 0]}, "interval": [0.002, "End"]}),
+        ),
+        process(
+            "range_output_process",
+            control(json!({"model_part_name": "MPM_Material", "output_variables": ["MP_DETERMINANT_F", "MP_VELOCITY"],
+                           "on": {"positions": [[0.5, 0.5, 0.0], [0.1, 0.9, 0.0]], "of": "points"}})),
+        ),
         process(
             "mpm_point_output_process",
             json!({"positions": [[0.5, 0.5, 0.0]], "output_variables": ["MP_DISPLACEMENT", "MP_VOLUME"],

@@ -165,12 +165,16 @@ impl<const D: usize> Body<D> {
         let material = &self.scheme.materials[self.scheme.kind(stop.cell).material as usize];
         let what = match stop.reason {
             Reason::Law(reason) => format!("the law {} has no answer: {reason}", material.name),
-            Reason::NoWaves => format!("the law {} has no wave speed: its tangent is not positive", material.name),
-            Reason::Unstable => "the run is unstable: velocities grow without bound".into(),
+            Reason::NoWaveSpeed => format!("the law {} has no wave speed: its tangent is not positive", material.name),
+            Reason::Unbounded => "the run is unstable: velocities grow without bound".to_string(),
+        };
+        let advice = match stop.reason {
+            Reason::Unbounded => "a time step below the stable one, such as \"time_step\": \"auto\"",
+            _ => "a smaller time step or load, or a law that stiffens under compression",
         };
         let x = self.positions[self.starts[element] as usize];
         let gradient = Material::deformation_gradient(&stop.gradient);
-        Failure::new(what, "a smaller time step or load, or a law that stiffens under compression")
+        Failure::new(what, advice)
             .at(format!("element {}", part.elements.ids[element]), x)
             .detail(format!("deformation gradient: {:?}", gradient.transpose().as_slice()))
             .detail(format!("J = {:e}", gradient.determinant()))

@@ -4,10 +4,13 @@ use crate::engine::{Engine, Point};
 use crate::variables::{
     CAUCHY_STRESS_VECTOR, DEFORMATION_GRADIENT, DISPLACEMENT, MP_CAUCHY_STRESS_VECTOR, MP_COORD,
     MP_DEFORMATION_GRADIENT, MP_DETERMINANT_F, MP_DISPLACEMENT, MP_EQUIVALENT_STRESS, MP_MASS, MP_MATERIAL_ID,
-    MP_PK1_STRESS_TENSOR, MP_VELOCITY, MP_VOLUME, VELOCITY, VOLUME_ACCELERATION,
+    MP_MEAN_STRESS, MP_PK1_STRESS_TENSOR, MP_STRAIN_ENERGY_DENSITY, MP_VELOCITY, MP_VOLUME, VELOCITY,
+    VOLUME_ACCELERATION,
 };
 use bia_constitutive::Voigt;
+use bia_kernel::diagnostic::InputErrors;
 use bia_kernel::model::ModelPart;
+use bia_kernel::processes::Requirements;
 use bia_kernel::solving::loads::{LINE_LOAD, NEGATIVE_FACE_PRESSURE, POINT_LOAD, POSITIVE_FACE_PRESSURE, SURFACE_LOAD};
 use bia_kernel::variables::Variable;
 use nalgebra::Matrix3;
@@ -20,12 +23,13 @@ pub const OF_POINTS: &[Variable] = &[
     MP_CAUCHY_STRESS_VECTOR,
     MP_PK1_STRESS_TENSOR,
     MP_DEFORMATION_GRADIENT,
-    MP_DETERMINANT_F,
     MP_EQUIVALENT_STRESS,
     MP_MASS,
     MP_VOLUME,
     MP_MATERIAL_ID,
 ];
+/// Those that follow from others: shown where they are asked for, not in the account of a run.
+pub const DERIVED: &[Variable] = &[MP_MEAN_STRESS, MP_DETERMINANT_F, MP_STRAIN_ENERGY_DENSITY];
 /// Variables of cells: means over their points.
 pub const OF_CELLS: &[Variable] = &[CAUCHY_STRESS_VECTOR, DEFORMATION_GRADIENT, VELOCITY, DISPLACEMENT];
 /// Variables of nodes that can be shown: what is prescribed there.
@@ -65,13 +69,31 @@ pub fn append(engine: &dyn Engine, index: usize, variable: &str, out: &mut Vec<f
         }
         "MP_PK1_STRESS_TENSOR" => out.extend(rows(&nominal_stress)),
         "MP_DEFORMATION_GRADIENT" => out.extend(rows(&gradient)),
-        "MP_DETERMINANT_F" => out.push(gradient.determinant()),
         "MP_EQUIVALENT_STRESS" => out.push(von_mises(engine.cauchy(index))),
+        "MP_MEAN_STRESS" => out.push(engine.cauchy(index)[..3].iter().sum::<f64>() / 3.0),
+        "MP_DETERMINANT_F" => out.push(gradient.determinant()),
+        // A law without an energy is refused before the run ([`check_energies`]).
+        "MP_STRAIN_ENERGY_DENSITY" => out.push(engine.strain_energy(index).map_or(f64::NAN, |energy| energy / volume)),
         "MP_MASS" => out.push(mass),
         "MP_VOLUME" => out.push(volume),
         "MP_MATERIAL_ID" => out.push(f64::from(material)),
         _ => {}
     }
+}
+
+/// Refuses to show the energy of laws that have none.
+///
+/// # Errors
+/// One for each place that asks for it.
+pub fn check_energies(engine: &dyn Engine, requirements: &Requirements) -> Result<(), InputErrors> {
+    let lacking = (0..engine.len()).find(|&index| engine.strain_energy(index).is_none());
+    let Some(material) = lacking.map(|index| engine.point(index).material) else { return Ok(()) };
+    let mut errors = InputErrors::default();
+    for wanted in requirements.variables.iter().filter(|wanted| wanted.variable == MP_STRAIN_ENERGY_DENSITY.name) {
+        let message = format!("the law of the properties {material} has no strain energy");
+        errors.push(wanted.place.error(message).help("hyperelastic laws have one"));
+    }
+    errors.or(())
 }
 
 /// Writes the wanted means by volume over the cells' points to the columns of elements.

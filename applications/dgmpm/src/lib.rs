@@ -32,7 +32,9 @@ mod stages;
 mod transverse;
 pub mod variables;
 
-use bia_kernel::registry::{Registry, SolverEntry};
+use bia_kernel::processes::Location;
+use bia_kernel::registry::{Provider, Registry, SolverEntry};
+use bia_kernel::variables::names_of;
 
 /// Registers the application's components: one line each.
 pub fn register(registry: &mut Registry) {
@@ -40,6 +42,14 @@ pub fn register(registry: &mut Registry) {
     names::register(registry);
     bia_constitutive::register(registry);
     processes::register(registry);
+    const WHO: &str = "the solver dgmpm";
+    for (location, variables) in [
+        (Location::Points, (|| names_of(&[fields::OF_POINTS, fields::DERIVED].concat())) as fn() -> Vec<&'static str>),
+        (Location::Elements, || names_of(fields::OF_CELLS)),
+        (Location::Nodes, || names_of(fields::OF_NODES)),
+    ] {
+        registry.provider(Provider { who: WHO, location, variables });
+    }
     registry.solver(SolverEntry {
         types: &["dgmpm"],
         keys: settings::KEYS,

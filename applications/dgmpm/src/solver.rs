@@ -1,7 +1,7 @@
 //! The solver: set-up, the stable step, the loop's hooks, and what is told of the scene.
 
 use crate::engine::{Points, Stability, build};
-use crate::fields::{OF_CELLS, OF_NODES, OF_POINTS, energies};
+use crate::fields::{DERIVED, OF_CELLS, OF_NODES, OF_POINTS, check_energies, energies};
 use crate::processes::CellFields;
 use crate::results::{save_state, snapshot};
 use crate::settings::SolverSettings;
@@ -115,7 +115,7 @@ impl Solver for DiscontinuousGalerkin {
 
     fn initialize(&mut self, model: &mut Model, requirements: &Requirements) -> Result<(), InputErrors> {
         let mut errors = InputErrors::default();
-        requirements.choose(Location::Points, OF_POINTS, &mut errors);
+        requirements.choose(Location::Points, &[OF_POINTS, DERIVED].concat(), &mut errors);
         requirements.choose(Location::PointConditions, &[], &mut errors);
         requirements.choose(Location::Nodes, OF_NODES, &mut errors);
         let wanted = requirements.choose(Location::Elements, OF_CELLS, &mut errors);
@@ -131,6 +131,7 @@ impl Solver for DiscontinuousGalerkin {
             )
         })?;
         self.check_limits(&points)?;
+        check_energies(points.body.as_ref(), requirements)?;
         model.extend(points);
         model.set_points(|model| model.extension::<Points>().map(|points| points as &dyn PointSet));
         Ok(())

@@ -27,6 +27,8 @@ variables! {
     tensor MP_PK1_STRESS_TENSOR, "Pa", "first Piola-Kirchhoff stress of a material point";
     tensor MP_DEFORMATION_GRADIENT, "1", "deformation gradient of a material point";
     scalar MP_EQUIVALENT_STRESS, "Pa", "von Mises stress of a material point";
+    scalar MP_MEAN_STRESS, "Pa", "mean of the normal Cauchy stresses of a material point, tension positive";
+    scalar MP_STRAIN_ENERGY_DENSITY, "J/m³", "strain energy of a material point per volume before deformation";
     scalar MP_MASS, "kg", "mass of a material point";
     scalar MP_DETERMINANT_F, "1", "volume ratio of a material point";
     scalar MP_VOLUME, "m³", "volume of a material point at the start";

@@ -20,7 +20,7 @@ use bia_kernel::registry::Registry;
 use bia_kernel::solving::ActiveDofs;
 
 /// Nodal variables that the solver can show.
-const NODAL_VARIABLES: &[&str] = &[
+pub const NODAL_VARIABLES: &[&str] = &[
     "DISPLACEMENT",
     "VELOCITY",
     "ACCELERATION",
@@ -34,7 +34,7 @@ const NODAL_VARIABLES: &[&str] = &[
 ];
 
 /// Nodal variables that mixed formulations have beside these.
-const PRESSURE_VARIABLES: &[&str] = &["PRESSURE", "PRESSURE_REACTION"];
+pub const PRESSURE_VARIABLES: &[&str] = &["PRESSURE", "PRESSURE_REACTION"];
 
 /// Losses of points that the log tells as they happen.
 const TOLD: usize = 3;
@@ -165,10 +165,7 @@ impl Scene {
         let nodal = || NODAL_VARIABLES.iter().chain(of_pressure).chain(&requirements.provided).copied();
         for wanted in &requirements.variables {
             let name = wanted.variable.as_str();
-            let unknown = |names: &mut dyn Iterator<Item = &'static str>| {
-                let message = format!("nobody in this scene provides {name:?}");
-                wanted.place.error(message).allowed(name, names)
-            };
+            let unknown = |names: &mut dyn Iterator<Item = &'static str>| requirements.nobody(wanted, names);
             match wanted.location {
                 Location::Points => match fields::columns_of(name).filter(|needed| mixed || !needed.pressure) {
                     Some(needed) => columns = columns.or(needed),

@@ -37,6 +37,7 @@ variables! {
     voigt MP_PK2_STRESS_VECTOR, "Pa", "second Piola-Kirchhoff stress of a material point";
     tensor MP_PK1_STRESS_TENSOR, "Pa", "first Piola-Kirchhoff stress of a material point";
     scalar MP_EQUIVALENT_STRESS, "Pa", "von Mises stress of a material point";
+    scalar MP_MEAN_STRESS, "Pa", "mean of the normal Cauchy stresses of a material point, tension positive";
     tensor MP_DEFORMATION_GRADIENT, "1", "deformation gradient of a material point";
     scalar MP_DETERMINANT_F, "1", "volume ratio of a material point";
     scalar MP_MASS, "kg", "mass of a material point";
@@ -48,6 +49,7 @@ variables! {
     scalar MP_KINETIC_ENERGY, "J", "kinetic energy of a material point";
     scalar MP_STRAIN_ENERGY, "J", "strain energy of a material point, by its law";
     scalar MP_TOTAL_ENERGY, "J", "sum of the energies of a material point";
+    scalar MP_STRAIN_ENERGY_DENSITY, "J/m³", "strain energy of a material point per volume before deformation";
     vector MPC_COORD, "m", "position of a material-point condition";
     vector MPC_DISPLACEMENT, "m", "displacement of a material-point condition";
     vector MPC_VELOCITY, "m/s", "velocity of a material-point condition";

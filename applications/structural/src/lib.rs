@@ -16,13 +16,22 @@ mod solver;
 mod stability;
 pub mod variables;
 
-use bia_kernel::registry::{Registry, SolverEntry};
+use bia_kernel::processes::Location;
+use bia_kernel::registry::{Provider, Registry, SolverEntry};
+use bia_kernel::variables::names_of;
 
 /// Registers the application's components: one line each.
 pub fn register(registry: &mut Registry) {
     variables::register(registry);
     names::register(registry);
     bia_constitutive::register(registry);
+    const WHO: &str = "structural solvers";
+    for (location, variables) in [
+        (Location::Nodes, (|| names_of(results::NODAL)) as fn() -> Vec<&'static str>),
+        (Location::Elements, || names_of(results::ELEMENTAL)),
+    ] {
+        registry.provider(Provider { who: WHO, location, variables });
+    }
     registry.solver(SolverEntry {
         types: &["structural_static", "structural_dynamic"],
         keys: settings::KEYS,

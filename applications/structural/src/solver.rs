@@ -2,7 +2,7 @@
 
 use crate::body::Body;
 use crate::problem::Step;
-use crate::results::{ELEMENTAL, ElementResults, NODAL, save_state};
+use crate::results::{ELEMENTAL, ElementResults, NODAL, RECORDED, check_energies, save_state};
 use crate::settings::{Regime, SolverSettings};
 use crate::stability::Stability;
 use crate::variables::{ACCELERATION, DISPLACEMENT, REACTION, VELOCITY};
@@ -104,7 +104,8 @@ impl Structural {
         requirements.choose(Location::Nodes, NODAL, &mut errors);
         self.elemental = requirements.choose(Location::Elements, ELEMENTAL, &mut errors);
         if requirements.record {
-            self.elemental = ELEMENTAL.to_vec();
+            let more = RECORDED.iter().filter(|v| self.elemental.iter().all(|other| other.name != v.name));
+            self.elemental.extend(more.copied().collect::<Vec<_>>());
         }
         self.reactions =
             self.settings.reactions || requirements.record || requirements.wants(Location::Nodes, REACTION.name);
@@ -205,6 +206,7 @@ impl Solver for Structural {
         self.require(requirements)?;
         let Some(part) = model.part(&self.settings.part) else { return Ok(()) };
         let body = Body::new(part, &self.materials, &self.settings, &self.catalogue, self.dynamic())?;
+        check_energies(&body, requirements)?;
         let all: Vec<u32> = (0..part.elements.len() as u32).collect();
         self.dofs = ActiveDofs::of_cells(self.settings.dimension, part.nodes.len(), &part.elements, &all);
         self.check_conditions(part)?;

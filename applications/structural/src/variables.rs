@@ -22,6 +22,10 @@ variables! {
     vector VOLUME_ACCELERATION, "m/s²", "body force per mass";
     voigt CAUCHY_STRESS_VECTOR, "Pa", "Cauchy stress, mean over an element's points";
     voigt PK2_STRESS_VECTOR, "Pa", "second Piola-Kirchhoff stress, mean over an element's points";
+    scalar VON_MISES_STRESS, "Pa", "von Mises stress, mean over an element's points";
+    scalar MEAN_STRESS, "Pa", "mean of the normal Cauchy stresses, tension positive, mean over an element's points";
+    scalar DETERMINANT_F, "1", "volume ratio, mean over an element's points";
+    scalar STRAIN_ENERGY_DENSITY, "J/m³", "strain energy per volume before deformation, mean over an element's points";
     voigt GREEN_LAGRANGE_STRAIN_VECTOR, "1", "Green-Lagrange strain, shear doubled, mean over an element's points";
 }
 

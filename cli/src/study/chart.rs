@@ -4,6 +4,7 @@
 //! they follow light and dark mode, and their marks have titles, which browsers show and screen readers tell.
 //! Series differ in colour, in the form of their marks and in the dashes of their lines.
 
+use super::outcome::EXACT;
 use std::fmt::Write;
 
 const WIDTH: f64 = 860.0;
@@ -97,7 +98,8 @@ impl Axis {
     }
 
     fn at(&self, value: f64) -> f64 {
-        self.from + (value.log10() - self.low) / (self.high - self.low) * (self.to - self.from)
+        let log = value.log10().clamp(self.low, self.high);
+        self.from + (log - self.low) / (self.high - self.low) * (self.to - self.from)
     }
 
     /// Places of rules: value, and whether it has a label.
@@ -109,7 +111,7 @@ impl Axis {
             let power = 10.0_f64.powi(exponent);
             ticks.push((power, exponent.rem_euclid(every) == 0));
             if decades < 4.0 {
-                ticks.extend((2..10).map(|k| (f64::from(k) * power, decades < 1.3 && [2, 5].contains(&k))));
+                ticks.extend((2..10).map(|k| (f64::from(k) * power, decades < 1.7 && [2, 5].contains(&k))));
             }
         }
         ticks.retain(|(value, _)| (self.low..=self.high).contains(&value.log10()));
@@ -127,7 +129,10 @@ impl Chart {
             LEFT,
             WIDTH - RIGHT,
         );
-        let y = Axis::of(marks().map(|mark| mark.y), HEIGHT - BOTTOM, TOP);
+        // What is exact but for round-off stands at the lower edge: it shall not press the others together.
+        let inexact = |y: &f64| *y >= EXACT;
+        let y = Axis::of(marks().map(|mark| mark.y).filter(inexact), HEIGHT - BOTTOM, TOP)
+            .or_else(|| Axis::of(marks().map(|mark| mark.y), HEIGHT - BOTTOM, TOP));
         let (Some(x), Some(y)) = (x, y) else {
             return "<p>Nothing to be shown: no run gave a number above 0.</p>".into();
         };
@@ -195,7 +200,7 @@ impl Chart {
             let place = |log: f64| (x.at(10.0_f64.powf(log)), y.at(10.0_f64.powf(b + slope * (log - a))));
             let ((x0, y0), (x1, y1)) = (place(a), place(end));
             let _ = write!(out, "<line class=\"guide\" x1=\"{x0:.1}\" y1=\"{y0:.1}\" x2=\"{x1:.1}\" y2=\"{y1:.1}\"/>");
-            let (tx, ty) = (x1 - 6.0, (y1 + 14.0).min(y0 - 6.0));
+            let (tx, ty) = (x1 - 8.0, y1 - 4.0);
             let _ = write!(
                 out,
                 "<text class=\"soft\" x=\"{tx:.1}\" y=\"{ty:.1}\" text-anchor=\"end\">order {slope}</text>"
@@ -258,6 +263,8 @@ fn style(index: usize) -> (String, &'static str) {
 
 /// Outline of a mark around a place.
 fn form(index: usize, x: f64, y: f64) -> String {
+    // Where colours are used again, forms are not the same.
+    let index = index + 3 * (index / STYLES);
     let outline = |corners: &[(f64, f64)]| {
         let places: Vec<String> = corners.iter().map(|(a, b)| format!("{:.1} {:.1}", x + a, y + b)).collect();
         format!("M{}Z", places.join("L"))

@@ -9,7 +9,11 @@ pub const STUDY: &[Key] = &[
     Key::new("text", Kind::Text, "\"\"", "what the reader should know"),
     Key::new("advice", Kind::Text, "\"\"", "what a user should choose"),
     Key::optional("project", Kind::Text, "project that all variants run unless they name their own"),
-    Key::required("error", Kind::Text, "label of an error process, or a JSON pointer into the summary of a run"),
+    Key::required(
+        "error",
+        Kind::Any,
+        "label of an error process, JSON pointer into the summary, or quantity, minus, over",
+    ),
     Key::new("error_name", Kind::Text, "\"relative error\"", "what the error is, with its unit, for the axes"),
     Key::new("size_name", Kind::Text, "\"h [m]\"", "what h is, with its unit, for the axes"),
     Key::new("repetitions", Kind::Integer { min: 1 }, "3", "runs of each case, for the spread of the CPU time"),

@@ -1,4 +1,5 @@
-//! `bia study`: a family of runs, their errors against their run times.
+//! `bia study`: a family of runs, their errors against their run times; `bia survey`: scenes and methods,
+//! and which of them stay stable.
 
 mod case;
 mod chart;
@@ -7,13 +8,17 @@ mod machine;
 mod outcome;
 mod page;
 mod plan;
+mod quantity;
 mod report;
 mod runner;
 mod store;
+mod survey;
 
 use crate::report as shown;
 use crate::signal::Signal;
+use bia_kernel::diagnostic::InputErrors;
 use bia_kernel::io::files::write_atomically;
+use case::Case;
 use clap::Args;
 use outcome::Outcome;
 use plan::Study;
@@ -25,16 +30,17 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use store::Store;
+pub use survey::survey;
 
-/// Arguments of `bia study`.
+/// Arguments of `bia study` and `bia survey`.
 #[derive(Args)]
 pub struct StudyArguments {
-    /// The study: which variants of which projects are compared
+    /// The study (or survey): which projects are run, with what changed in them
     file: PathBuf,
     /// Folder for the report and for what finished runs left (default: beside the study, NAME_results)
     #[arg(long, value_name = "DIR")]
     output: Option<PathBuf>,
-    /// Write the page here, too
+    /// Write the page here, too, and its first figure beside it as SVG
     #[arg(long, value_name = "FILE")]
     html: Option<PathBuf>,
     /// Check the study and all its projects' changes, and show the commands; run nothing
@@ -45,20 +51,74 @@ pub struct StudyArguments {
     quiet: bool,
 }
 
+/// What is run and reported: a study or a survey.
+trait Job: Sized {
+    /// Reads it, with all projects that it names.
+    ///
+    /// # Errors
+    /// Everything that is wrong in it, together.
+    fn read(path: &Path) -> Result<Self, InputErrors>;
+
+    /// What is run, in this order.
+    fn cases(&self) -> Vec<&Case>;
+
+    /// How often.
+    fn repetitions(&self) -> usize;
+
+    /// The files of the report, the page first. The outcomes are in the order of the cases.
+    fn report(&self, outcomes: Vec<Outcome>, folder: &Path) -> Vec<(PathBuf, String)>;
+}
+
+impl Job for Study {
+    fn read(path: &Path) -> Result<Self, InputErrors> {
+        Study::read(path)
+    }
+
+    fn cases(&self) -> Vec<&Case> {
+        Study::cases(self)
+    }
+
+    fn repetitions(&self) -> usize {
+        self.repetitions
+    }
+
+    fn report(&self, outcomes: Vec<Outcome>, folder: &Path) -> Vec<(PathBuf, String)> {
+        let names = Study::cases(self).into_iter().map(|case| case.name.as_str());
+        let mut by_name: HashMap<&str, Outcome> = names.zip(outcomes).collect();
+        let mut of_variant = |variant: &plan::Variant| -> Vec<Outcome> {
+            let own = variant.entries.iter().map(|entry| by_name.remove(entry.case.name.as_str()));
+            own.map(|outcome| outcome.unwrap_or_else(|| Outcome::new(Vec::new()))).collect()
+        };
+        let outcomes = self.variants.iter().map(&mut of_variant).collect();
+        let report = Report::new(self, machine::machine(), outcomes);
+        vec![
+            (folder.join("report.html"), report.html()),
+            (folder.join("results.csv"), report.csv()),
+            (folder.join("results.json"), format!("{:#}\n", report.json())),
+            (folder.join("work_precision.svg"), report.work_precision().svg(true)),
+            (folder.join("convergence.svg"), report.convergence().svg(true)),
+        ]
+    }
+}
+
 /// Runs a study.
 pub fn study(arguments: &StudyArguments) -> ExitCode {
+    start::<Study>(arguments)
+}
+
+fn start<J: Job>(arguments: &StudyArguments) -> ExitCode {
     shown::start_log(arguments.quiet);
-    let study = match Study::read(&arguments.file) {
-        Ok(study) => study,
+    let job = match J::read(&arguments.file) {
+        Ok(job) => job,
         Err(errors) => return ExitCode::from(shown::input(&errors)),
     };
     if arguments.dry_run {
-        study.cases().iter().for_each(|case| say!("{}", case.command()));
+        job.cases().iter().for_each(|case| say!("{}", case.command()));
         return ExitCode::SUCCESS;
     }
     let folder = arguments.output.clone().unwrap_or_else(|| results_folder(&arguments.file));
     let signal = Signal::wait();
-    match run_study(arguments, &study, &folder, &signal) {
+    match run_job(arguments, &job, &folder, &signal) {
         Ok(()) => ExitCode::SUCCESS,
         Err(Stop::Signal) => {
             complain!("stopped; the same command goes on, finished runs are kept in {}", folder.display());
@@ -77,30 +137,23 @@ fn results_folder(file: &Path) -> PathBuf {
     file.with_file_name(format!("{stem}_results"))
 }
 
-fn run_study(arguments: &StudyArguments, study: &Study, folder: &Path, signal: &Signal) -> Result<(), Stop> {
+fn run_job<J: Job>(arguments: &StudyArguments, job: &J, folder: &Path, signal: &Signal) -> Result<(), Stop> {
     let program = std::env::current_exe()?;
     let store = Store::open(folder, &program)?;
     let runner = Runner { store: &store, program, signal: signal.clone(), quiet: arguments.quiet };
-    let cases = study.cases();
-    let left = runner.run(&cases, study.repetitions)?;
-    let mut by_name: HashMap<&str, Outcome> =
-        cases.iter().zip(left).map(|(case, left)| (case.name.as_str(), Outcome::new(left))).collect();
-    let mut outcomes = Vec::new();
-    for variant in &study.variants {
-        let own = variant.entries.iter().map(|entry| by_name.remove(entry.case.name.as_str()));
-        outcomes.push(own.map(|outcome| outcome.unwrap_or_else(|| Outcome::new(Vec::new()))).collect::<Vec<_>>());
-    }
-    let missing = outcomes.iter().flatten().filter(|outcome| !outcome.is_done()).count();
-    let report = Report::new(study, machine::machine(), outcomes);
-    let page = report.html();
-    let mut files = vec![
-        (folder.join("report.html"), page.clone()),
-        (folder.join("results.csv"), report.csv()),
-        (folder.join("results.json"), format!("{:#}\n", report.json())),
-        (folder.join("work_precision.svg"), report.work_precision().svg(true)),
-        (folder.join("convergence.svg"), report.convergence().svg(true)),
-    ];
-    files.extend(arguments.html.clone().map(|path| (path, page)));
+    let cases = job.cases();
+    let left = runner.run(&cases, job.repetitions())?;
+    let outcomes: Vec<Outcome> = left.into_iter().map(Outcome::new).collect();
+    let missing = outcomes.iter().filter(|outcome| !outcome.is_done()).count();
+    let mut files = job.report(outcomes, folder);
+    let shipped = arguments.html.iter().flat_map(|html| {
+        let first = |extension: &str| files.iter().find(|(path, _)| path.extension().is_some_and(|e| e == extension));
+        ["html", "svg"].into_iter().filter_map(move |extension| {
+            first(extension).map(|(_, text)| (html.with_extension(extension), text.clone()))
+        })
+    });
+    let shipped: Vec<_> = shipped.collect();
+    files.extend(shipped);
     write_all(&files)?;
     if !arguments.quiet {
         let runs = outcome_line(cases.len(), missing);

@@ -87,12 +87,15 @@ impl Outcome {
     }
 }
 
+/// An error below this is round-off.
+pub const EXACT: f64 = 1e-12;
+
 /// Order of convergence from one entry to the next: by how much the error falls with the size.
 pub fn orders(points: &[(Option<f64>, Option<f64>)]) -> Vec<Option<f64>> {
     let order = |pair: &[(Option<f64>, Option<f64>)]| {
         let ((h, e), (next, f)) = (pair[0], pair[1]);
         let order = (e? / f?).ln() / (h? / next?).ln();
-        order.is_finite().then_some(order)
+        (order.is_finite() && f? >= EXACT).then_some(order)
     };
     std::iter::once(None).chain(points.windows(2).map(order)).take(points.len()).collect()
 }

@@ -17,6 +17,7 @@ figure{margin:1rem 0}figcaption{color:var(--soft);font-size:.9rem}svg.chart{widt
 caption{text-align:left;color:var(--soft);padding-bottom:.3rem}th,td{padding:.28rem .6rem;text-align:right;\
 border-bottom:1px solid var(--rule);white-space:nowrap}th{font-weight:600;vertical-align:bottom}\
 th:first-child,td:first-child,.text{text-align:left}td.text{white-space:normal}tbody tr:hover{background:var(--panel)}\
+table.left th,table.left td{text-align:left}table.left td{white-space:normal;vertical-align:top}\
 tr.head td,tr.head th{background:var(--panel);font-weight:600}\
 code{font:.85em ui-monospace,monospace;overflow-wrap:anywhere}details{margin:.75rem 0}summary{cursor:pointer}\
 .pass{color:var(--good)}.degraded{color:var(--fair)}.fails{color:var(--bad)}.refused,.cannot{color:var(--none)}\
@@ -52,12 +53,21 @@ pub fn figure(svg: &str, caption: &str) -> String {
 pub struct Table {
     head: Vec<String>,
     body: String,
+    /// Of texts rather than numbers.
+    is_left: bool,
 }
 
 impl Table {
     /// With these headings.
     pub fn new(head: &[&str]) -> Self {
-        Self { head: head.iter().map(|cell| escaped(cell)).collect(), body: String::new() }
+        Self { head: head.iter().map(|cell| escaped(cell)).collect(), ..Self::default() }
+    }
+
+    /// The same for texts: to the left, in several lines.
+    #[must_use]
+    pub fn of_texts(mut self) -> Self {
+        self.is_left = true;
+        self
     }
 
     /// Adds a row; the first cell names it.
@@ -80,8 +90,9 @@ impl Table {
     /// The table.
     pub fn html(&self) -> String {
         let head: String = self.head.iter().map(|cell| format!("<th scope=\"col\">{cell}</th>")).collect();
+        let class = if self.is_left { " class=\"left\"" } else { "" };
         format!(
-            "<div class=\"wide\"><table>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{}</tbody>\n</table></div>\n",
+            "<div class=\"wide\"><table{class}>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{}</tbody>\n</table></div>\n",
             self.body
         )
     }
@@ -93,6 +104,7 @@ pub fn shown(number: Option<f64>) -> String {
         None => String::new(),
         Some(0.0) => "0".into(),
         Some(x) if !x.is_finite() => "not finite".into(),
+        Some(x) if x.fract() == 0.0 && x.abs() < 1e5 => format!("{x}"),
         Some(x) if (0.01..1e5).contains(&x.abs()) => {
             let digits = (2 - x.abs().log10().floor() as i32).max(0) as usize;
             format!("{x:.digits$}")
@@ -129,8 +141,8 @@ mod tests {
 
     #[test]
     fn numbers_have_three_digits() {
-        let numbers = [0.0, 1.5, 0.01234, 123.4, 99_999.0, 1e-5, -2.5].map(|x| shown(Some(x)));
-        assert_eq!(numbers, ["0", "1.50", "0.0123", "123", "99999", "1.00e-5", "-2.50"]);
+        let numbers = [0.0, 1.5, 0.01234, 123.4, 99_999.0, 1e-5, -2.5, 1.0].map(|x| shown(Some(x)));
+        assert_eq!(numbers, ["0", "1.50", "0.0123", "123", "99999", "1.00e-5", "-2.50", "1"]);
         assert_eq!(counted(Some(1_234_567.0)), "1\u{2009}234\u{2009}567");
     }
 

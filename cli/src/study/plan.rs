@@ -2,6 +2,7 @@
 
 use super::case::{Case, Changes};
 use super::keys::{STUDY, SWEEP, VARIANT};
+use super::quantity::Quantity;
 use bia_kernel::diagnostic::InputErrors;
 use bia_kernel::parameters::{Document, Parameters, Settings};
 use std::path::{Path, PathBuf};
@@ -15,8 +16,8 @@ pub struct Study {
     pub text: String,
     /// What a user should choose.
     pub advice: String,
-    /// JSON pointer of the error in the summary of a run.
-    pub error: String,
+    /// The error, from the summary of a run.
+    pub error: Quantity,
     /// What the error is.
     pub error_name: String,
     /// What h is.
@@ -89,11 +90,11 @@ impl Study {
         if variants.is_empty() && errors.0.is_empty() {
             errors.push(settings.error("variants", "names no variant"));
         }
-        let error = settings.text("error");
-        let error = if error.starts_with('/') { error.into() } else { format!("/errors/{error}/relative_at_end") };
+        let error = settings.get("error").and_then(|place| errors.absorb(Quantity::of_error(place)));
         let slopes = errors.absorb(numbers(&settings, "reference_slopes")).unwrap_or_default();
         let wanted = errors.absorb(numbers(&settings, "wanted_errors")).unwrap_or_default();
         let text = |key: &str| settings.text(key).to_string();
+        let Some(error) = error else { return Err(errors) };
         errors.or(Self {
             title: text("title"),
             text: text("text"),

@@ -79,7 +79,9 @@ impl Runner<'_> {
         command.args(case.assignments().into_iter().flat_map(|set| ["--set".to_string(), set]));
         command.arg("--output").arg(work.path().join("output")).arg("--summary").arg(&summary);
         let messages = std::fs::File::create(work.path().join("messages"))?;
-        let mut child = command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(messages).spawn()?;
+        // The end of this program, by whatever signal, closes the pipe, and so ends the run.
+        let command = command.arg("--end-with-input").stdin(Stdio::piped());
+        let mut child = command.stdout(Stdio::null()).stderr(messages).spawn()?;
         let ended = self.wait(&mut child, begin, case.time_limit)?;
         let wall = begin.elapsed().as_secs_f64();
         let messages = read_end(&work.path().join("messages"));
@@ -88,6 +90,7 @@ impl Runner<'_> {
 
     /// Waits for the end of a run; none if its time is over, and it was ended.
     fn wait(&self, child: &mut Child, begin: Instant, limit: f64) -> Result<Option<ExitStatus>, Stop> {
+        // `Child::try_wait` leaves the pipe open, `Child::wait` closes it.
         loop {
             if let Some(status) = child.try_wait()? {
                 return Ok(Some(status));

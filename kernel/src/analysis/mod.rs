@@ -10,7 +10,7 @@ mod summary;
 
 pub use account::{Account, RecordPlan, number, peak_memory_mb};
 pub use project::Project;
-pub use schema::project_schema;
+pub use schema::{project_keys, project_schema};
 
 use crate::diagnostic::{Diagnostic, Place};
 use crate::error::{Error, Failure};

@@ -53,7 +53,8 @@ impl Analysis {
         for process in &mut processes {
             errors.absorb(process.connect(&mut model));
         }
-        let mut requirements = Requirements { record, ..Requirements::default() };
+        let mut requirements =
+            Requirements { record, providers: registry.providers().to_vec(), ..Requirements::default() };
         for process in &processes {
             process.require(&mut requirements);
         }

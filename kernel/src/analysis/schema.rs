@@ -2,10 +2,25 @@
 
 use super::project::{LEGACY_LISTS, PROBLEM_DATA, WITHOUT_EFFECT};
 use super::restart::{NAME, RESTART};
-use crate::parameters::Key;
 use crate::parameters::schema::object;
+use crate::parameters::{Key, Kind};
 use crate::registry::Registry;
 use serde_json::{Map, Value, json};
+
+const PROJECT: &[Key] = &[
+    Key::required("problem_data", Kind::Object(PROBLEM_DATA), "times and names"),
+    Key::required("solver_settings", Kind::Any, "the solver, by its solver_type"),
+    Key::new("modelers", Kind::List, "[]", "objects of name and parameters, run in their order before the solver"),
+    Key::new("processes", Kind::Any, "{}", "lists of objects of python_module and Parameters, run in their order"),
+    Key::new("output_processes", Kind::Any, "{}", "the same for processes that write files"),
+    Key::optional(NAME, Kind::Object(RESTART), "checkpoints"),
+    Key::new("kratos_exact", Kind::Bool, "false", "reproduce Kratos 10.4.4 to round-off, its faults included"),
+];
+
+/// The members of a project, for documents.
+pub fn project_keys() -> &'static [Key] {
+    PROJECT
+}
 
 /// The schema of `ProjectParameters.json` for the components of this registry.
 pub fn project_schema(registry: &Registry) -> Value {

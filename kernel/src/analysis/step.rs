@@ -33,6 +33,9 @@ impl Analysis {
         }
         let (mut total, mut pieces) = (StepReport { converged: true, ..StepReport::default() }, vec![whole]);
         while let Some(piece) = pieces.pop() {
+            if piece.begin > 0.0 {
+                self.all(0, |process, context| process.execute_between_pieces(context))?;
+            }
             let kept = self.keep()?;
             // What goes wrong in the transfer to the points is a reason to cut, too.
             let done = self.attempt(&start, size, piece, policy).and_then(|report| self.end_attempt().map(|()| report));

@@ -38,6 +38,36 @@ fn group(bytes: &[u8]) -> [u8; 4] {
     group
 }
 
+/// The bytes of a text, blanks passed over; none if it is no base64. Padding may stand between parts that
+/// were encoded one after the other.
+pub(super) fn read_base64(text: &[u8]) -> Option<Vec<u8>> {
+    let mut bytes = Vec::with_capacity(text.len() / 4 * 3);
+    let (mut bits, mut digits, mut padding) = (0u32, 0, 0);
+    for &character in text.iter().filter(|byte| !byte.is_ascii_whitespace()) {
+        let digit = match character {
+            b'A'..=b'Z' => character - b'A',
+            b'a'..=b'z' => character - b'a' + 26,
+            b'0'..=b'9' => character - b'0' + 52,
+            b'+' => 62,
+            b'/' => 63,
+            b'=' if digits >= 2 => 0,
+            _ => return None,
+        };
+        if character == b'=' {
+            padding += 1;
+        } else if padding > 0 {
+            return None;
+        }
+        bits = bits << 6 | u32::from(digit);
+        digits += 1;
+        if digits == 4 {
+            bytes.extend_from_slice(&bits.to_be_bytes()[1..4 - padding]);
+            (bits, digits, padding) = (0, 0, 0);
+        }
+    }
+    (digits == 0).then_some(bytes)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -61,8 +91,13 @@ mod tests {
             ("foobar", "Zm9vYmFy"),
         ] {
             assert_eq!(encode(&[plain.as_bytes()]), expected);
+            assert_eq!(read_base64(expected.as_bytes()).unwrap(), plain.as_bytes());
         }
         assert_eq!(encode(&[&[0xfb, 0xff, 0xbf]]), "+/+/");
+        assert_eq!(read_base64(b"Zg==\n Zm9v").unwrap(), b"ffoo");
+        for wrong in ["Zg", "Z===", "Zg=a", "Zm9v!", "=Zm9"] {
+            assert_eq!(read_base64(wrong.as_bytes()), None, "{wrong}");
+        }
     }
 
     #[test]

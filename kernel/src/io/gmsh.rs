@@ -1,4 +1,4 @@
-//! Reader of Gmsh's mesh files (`.msh`), formats 2.2 and 4.1, as text or binary.
+//! Reader of Gmsh's mesh files (`.msh`), formats 2.2 and 4.1, as text or binary, and writer of them as text.
 //!
 //! The format is described in the Gmsh reference manual, section "File formats". Cells of the highest
 //! dimension become elements, those of lower dimension geometries; each physical group becomes a sub
@@ -15,13 +15,16 @@ mod source;
 mod tests;
 mod version2;
 mod version4;
+mod write;
 
 use crate::diagnostic::{Diagnostic, InputErrors, Place};
 use crate::model::ModelPart;
 use cells::CellType;
+pub(super) use part::geometry;
 use source::{Form, Source};
 use std::collections::BTreeMap;
 use std::path::Path;
+pub use write::{Version, losses, write};
 
 /// What the file says, before ids become indices.
 #[derive(Debug, Default)]

@@ -21,6 +21,7 @@ mod parts;
 mod resolve;
 mod values;
 mod words;
+mod write;
 
 #[cfg(test)]
 mod tests;
@@ -30,6 +31,7 @@ use crate::geometry::Shape;
 use crate::model::ModelPart;
 use faults::Faults;
 use std::path::Path;
+pub use write::{losses, write};
 
 /// The three kinds of cells of a model part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

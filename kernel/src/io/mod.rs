@@ -3,6 +3,7 @@
 mod base64;
 pub mod checkpoint;
 pub mod control;
+pub mod convert;
 pub mod dataset;
 pub mod files;
 pub mod gmsh;
@@ -11,6 +12,8 @@ pub mod json;
 pub mod mdpa;
 mod number;
 pub mod pvd;
+pub mod stl;
 pub mod table;
 pub mod vtk_legacy;
 pub mod vtu;
+pub mod vtu_read;

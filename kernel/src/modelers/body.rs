@@ -5,7 +5,7 @@ use super::mapping::{MAP, Map};
 use super::mesh::{Cubes, Diagonal, MOST_CELLS, Mesh, bounds, lattice_shape};
 use super::parts::{self, NamedPart};
 use super::placement::Placement;
-use super::primitive::{Form, Primitive};
+use super::primitive::{Form, Primitive, TYPES};
 use super::reading::{SHAPES, cell_shape, element_name, insert, part_name};
 use crate::diagnostic::InputErrors;
 use crate::model::{Model, ModelPart, Properties, SubModelPart};
@@ -54,6 +54,11 @@ pub(super) fn register(registry: &mut Registry) {
     registry.modeler(ModelerEntry {
         name: "BodyModeler",
         keys: KEYS,
+        lists: || {
+            let primitives = TYPES.iter().map(|(name, keys)| (format!("a primitive of type {name}"), *keys));
+            let (body, part) = (("an entry of bodies".into(), BODY), ("an entry of parts".into(), parts::PART));
+            std::iter::once(body).chain(primitives).chain([part]).collect()
+        },
         help: "makes bodies of primitives as the sub model parts of a new root model part",
         build: |building| Ok(Box::new(read(building)?)),
     });
@@ -87,7 +92,7 @@ fn read(building: Building) -> Result<Bodies, InputErrors> {
         let Some(settings) = errors.absorb(entry.read(BODY)) else { continue };
         let name = errors.absorb(part_name(&settings, &names)).unwrap_or_default();
         names.push(name.clone());
-        let Some(body) = errors.absorb(read_body(&settings, name, building.registry)) else { continue };
+        let Some(body) = errors.absorb(read_body(&settings, name, &building)) else { continue };
         let (found, first) = (body.mesh.shape.dimension(), bodies.first().map(|b| b.mesh.shape.dimension()));
         if first.is_some_and(|first| first != found) {
             let first = first.unwrap_or(found);
@@ -106,9 +111,10 @@ fn read(building: Building) -> Result<Bodies, InputErrors> {
     errors.or(Bodies { root, bodies, settings: building.settings })
 }
 
-fn read_body(settings: &Settings, name: String, registry: &Registry) -> Result<Body, InputErrors> {
+fn read_body(settings: &Settings, name: String, building: &Building) -> Result<Body, InputErrors> {
+    let registry = building.registry;
     let mut errors = InputErrors::default();
-    let primitive = settings.get("primitive").map(Primitive::read);
+    let primitive = settings.get("primitive").map(|primitive| Primitive::read(primitive, &building.options.folder));
     let Some(primitive) = primitive.and_then(|primitive| errors.absorb(primitive)) else { return Err(errors) };
     let dimension = primitive.dimension();
     let placement = errors.absorb(Placement::read(settings, primitive.center, dimension));

@@ -47,7 +47,7 @@ pub(super) fn mesh(primitive: &Primitive, settings: &Settings) -> Result<Mesh, I
             let round = Round::new(3, *inner, *outer, &counts);
             Mesh::from_keys(Shape::Hexahedron8, &round.keys(), |key| shift(round.position(key)))
         }
-        Form::Polygon(_) => Mesh::lattice(&[]),
+        Form::Polygon(_) | Form::Surface(_) => Mesh::lattice(&[]),
     })
 }
 
@@ -58,8 +58,8 @@ fn divisions(primitive: &Primitive, settings: &Settings) -> Result<Vec<usize>, I
         Form::Box(extent) => &AXES[..extent.dimension],
         Form::Disc { .. } | Form::Sphere { .. } => &["around", "radial"],
         Form::Cylinder { .. } => &["around", "radial", "along"],
-        Form::Polygon(_) => {
-            let message = "a polygon cannot be filled with fitted cells";
+        Form::Polygon(_) | Form::Surface(_) => {
+            let message = format!("a {} cannot be filled with fitted cells", primitive.name);
             return Err(settings.error("fill", message).help("set fill to \"grid\" and give a cell_size").into());
         }
     };
@@ -74,7 +74,7 @@ fn divisions(primitive: &Primitive, settings: &Settings) -> Result<Vec<usize>, I
         }
     };
     let around = match &primitive.form {
-        Form::Box(_) | Form::Polygon(_) => None,
+        Form::Box(_) | Form::Polygon(_) | Form::Surface(_) => None,
         Form::Disc { inner, .. } | Form::Cylinder { inner, .. } if *inner > 0.0 => Some(3),
         _ => Some(4),
     };
@@ -120,7 +120,7 @@ fn from_size(primitive: &Primitive, size: f64) -> Vec<usize> {
             vec![4 * cells(FRAC_PI_2 * outer), cells(outer - inner)]
         }
         Form::Sphere { outer, .. } => around(0.0, *outer).to_vec(),
-        Form::Polygon(_) => Vec::new(),
+        Form::Polygon(_) | Form::Surface(_) => Vec::new(),
     }
 }
 

@@ -19,6 +19,7 @@ pub(super) fn register(registry: &mut Registry) {
     registry.modeler(ModelerEntry {
         name: "ImportGmshModeler",
         keys: KEYS,
+        lists: Vec::new,
         help: "reads a mesh of Gmsh into a new root model part; groups of lower dimension are geometries, of which \
                CreateEntitiesFromGeometriesModeler makes conditions",
         build: |building| {

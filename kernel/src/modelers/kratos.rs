@@ -31,6 +31,7 @@ pub fn register(registry: &mut Registry) {
     registry.modeler(ModelerEntry {
         name: "ImportMDPAModeler",
         keys: IMPORT,
+        lists: Vec::new,
         help: "reads an mdpa file into a new root model part",
         build: |building| {
             let mut file = building.options.folder.join(building.settings.text("input_filename"));
@@ -43,6 +44,7 @@ pub fn register(registry: &mut Registry) {
     registry.modeler(ModelerEntry {
         name: "CreateEntitiesFromGeometriesModeler",
         keys: CREATE,
+        lists: Vec::new,
         help: "makes elements and conditions of the geometries of model parts",
         build: create,
     });

@@ -11,6 +11,7 @@ mod placement;
 mod primitive;
 mod reading;
 mod regular_grid;
+mod surface;
 
 #[cfg(test)]
 mod tests;

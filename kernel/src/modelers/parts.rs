@@ -1,4 +1,4 @@
-//! Named parts of a mesh: its sides, the nodes in a box, its whole boundary; with conditions.
+//! Named parts of a mesh: its sides, the nodes and cells in a box, its whole boundary; with conditions.
 
 use super::mesh::{Mesh, face_shape};
 use super::reading::{AXES, cell_name, part_name};
@@ -14,10 +14,14 @@ const BOX: &[Key] = &[
     Key::required("min", Kind::Vector3, "lowest corner [m]"),
     Key::required("max", Kind::Vector3, "highest corner [m]"),
 ];
-const PART: &[Key] = &[
+pub(super) const PART: &[Key] = &[
     Key::required("name", Kind::Text, "name of the sub model part"),
     Key::optional("side", Kind::Any, "min_x, max_x, …, or boundary for all of it; one or a list"),
-    Key::optional("box", Kind::Object(BOX), "takes the nodes in this box, its surface included"),
+    Key::optional(
+        "box",
+        Kind::Object(BOX),
+        "takes the nodes in this box, its surface included, and the cells between them",
+    ),
     Key::optional(
         "conditions",
         Kind::Text,

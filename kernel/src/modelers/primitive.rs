@@ -2,9 +2,11 @@
 
 use super::mesh::bounds;
 use super::reading::{AXES, Extent};
+use super::surface::Surface;
 use crate::diagnostic::InputErrors;
 use crate::parameters::{Key, Kind, Parameters, Range, Settings};
 use std::f64::consts::PI;
+use std::path::Path;
 
 const TYPE: Key = Key::required("type", Kind::Text, "kind of primitive");
 const CENTER: Key = Key::new("center", Kind::Vector3, "[0.0, 0.0, 0.0]", "centre [m]");
@@ -15,7 +17,7 @@ const INNER: Key = Key::required("inner_radius", Kind::Number(Range::POSITIVE), 
 const OUTER: Key = Key::required("outer_radius", Kind::Number(Range::POSITIVE), "outer radius [m]");
 
 /// Names of the primitives with their keys.
-const TYPES: &[(&str, &[Key])] = &[
+pub(super) const TYPES: &[(&str, &[Key])] = &[
     ("box", &[TYPE, CORNER_LOW, CORNER_HIGH]),
     ("disc", &[TYPE, CENTER, RADIUS]),
     ("ring", &[TYPE, CENTER, INNER, OUTER]),
@@ -26,7 +28,11 @@ const TYPES: &[(&str, &[Key])] = &[
     ("spherical_shell", &[TYPE, CENTER, INNER, OUTER]),
     ("circle", &[TYPE, CENTER, RADIUS]),
     ("annulus", &[TYPE, CENTER, INNER, OUTER]),
+    ("stl", &[TYPE, FILE, SCALE]),
 ];
+const FILE: Key = Key::required("file", Kind::Text, "STL file of a closed surface, text or binary, beside the project");
+const SCALE: Key =
+    Key::new("scale", Kind::Number(Range::POSITIVE), "1.0", "length of the file's unit [m], 0.001 for mm");
 const CORNER_LOW: Key = Key::required("min", Kind::Vector3, "lowest corner [m]; a plane box has equal z of 0");
 const CORNER_HIGH: Key = Key::required("max", Kind::Vector3, "highest corner [m]");
 
@@ -46,6 +52,8 @@ pub(super) enum Form {
     Cylinder { inner: f64, outer: f64, height: f64, axis: usize },
     /// A sphere or spherical shell.
     Sphere { inner: f64, outer: f64 },
+    /// What a closed surface encloses.
+    Surface(Surface),
 }
 
 /// A primitive: its form and its place.
@@ -55,13 +63,13 @@ pub(super) struct Primitive {
     pub name: String,
     /// Form.
     pub form: Form,
-    /// Centre in m; centroid of a polygon.
+    /// Centre in m; centroid of a polygon, middle of the box around a surface.
     pub center: [f64; 3],
 }
 
 impl Primitive {
-    /// From an object with the key `type`.
-    pub fn read(parameters: &Parameters) -> Result<Self, InputErrors> {
+    /// From an object with the key `type`; files stand in `folder`.
+    pub fn read(parameters: &Parameters, folder: &Path) -> Result<Self, InputErrors> {
         let name = parameters.text("type")?;
         let Some((_, keys)) = TYPES.iter().find(|(known, _)| *known == name) else {
             let place = parameters.child("type").unwrap_or_else(|| parameters.clone());
@@ -80,6 +88,11 @@ impl Primitive {
                 let (_, [x, y]) = area_and_centroid(&vertices);
                 (Form::Polygon(vertices), [x, y, 0.0])
             }
+            "stl" => {
+                let surface = Surface::read(&folder.join(settings.text("file")), settings.number("scale"))?;
+                let (low, high) = surface.bounds();
+                (Form::Surface(surface), std::array::from_fn(|axis| 0.5 * (low[axis] + high[axis])))
+            }
             _ => (round(&name, &settings)?, settings.vector("center")),
         };
         let built = Self { name, form, center };
@@ -96,7 +109,7 @@ impl Primitive {
         match &self.form {
             Form::Box(extent) => extent.dimension,
             Form::Disc { .. } | Form::Polygon(_) => 2,
-            Form::Cylinder { .. } | Form::Sphere { .. } => 3,
+            Form::Cylinder { .. } | Form::Sphere { .. } | Form::Surface(_) => 3,
         }
     }
 
@@ -108,6 +121,7 @@ impl Primitive {
             Form::Polygon(vertices) => area_and_centroid(vertices).0,
             Form::Cylinder { inner, outer, height, .. } => PI * (outer * outer - inner * inner) * height,
             Form::Sphere { inner, outer } => 4.0 / 3.0 * PI * (outer.powi(3) - inner.powi(3)),
+            Form::Surface(surface) => surface.volume(),
         }
     }
 
@@ -115,6 +129,7 @@ impl Primitive {
     pub fn bounds(&self) -> ([f64; 3], [f64; 3]) {
         let half = match &self.form {
             Form::Box(extent) => return (extent.low, extent.high),
+            Form::Surface(surface) => return surface.bounds(),
             Form::Polygon(vertices) => {
                 let points: Vec<[f64; 3]> = vertices.iter().map(|&[x, y]| [x, y, 0.0]).collect();
                 return bounds(&points);
@@ -148,6 +163,7 @@ impl Primitive {
                 away[*axis].abs() <= height * (0.5 + MARGIN) && between(radial, *inner, *outer)
             }
             Form::Sphere { inner, outer } => between(squares.iter().sum(), *inner, *outer),
+            Form::Surface(surface) => surface.contains(x),
         }
     }
 }

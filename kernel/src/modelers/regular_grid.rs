@@ -37,6 +37,7 @@ pub(super) fn register(registry: &mut Registry) {
     registry.modeler(ModelerEntry {
         name: "RegularGridModeler",
         keys: KEYS,
+        lists: || vec![("an entry of parts".into(), parts::PART)],
         help: "makes a regular grid with named sides as a new root model part",
         build: |building| Ok(Box::new(read(building)?)),
     });

@@ -348,14 +348,15 @@ impl Process for Assign {
     }
 
     fn execute_initialize_solution_step(&mut self, context: &mut Context) -> Result<(), Error> {
-        let acted = std::mem::replace(&mut self.active, self.interval.contains(context.clock.time));
+        self.active = self.interval.contains(context.clock.time);
         if self.active {
             self.apply(context.model, context.clock)?;
-        } else if acted {
-            // In an earlier piece of the same step.
-            self.release(context.model);
         }
         Ok(())
+    }
+
+    fn execute_between_pieces(&mut self, context: &mut Context) -> Result<(), Error> {
+        self.execute_finalize_solution_step(context)
     }
 
     fn execute_finalize_solution_step(&mut self, context: &mut Context) -> Result<(), Error> {

@@ -6,17 +6,19 @@ pub mod json;
 pub mod measure;
 pub mod quantity;
 mod reset;
+pub mod sampled;
 mod value;
 pub mod vtk;
 
 pub use reset::ResetNodes;
 pub use value::{Interval, SpaceTimeValue, not_finite};
 
-use crate::diagnostic::InputErrors;
+use crate::diagnostic::{Diagnostic, InputErrors};
 use crate::error::Error;
 use crate::io::checkpoint::{Archive, CheckpointError};
 use crate::model::Model;
 use crate::parameters::Parameters;
+use crate::registry::Provider;
 use crate::variables::Variable;
 use serde_json::{Map, Value};
 use std::path::{Path, PathBuf};
@@ -80,6 +82,18 @@ pub enum Location {
     Elements,
 }
 
+impl Location {
+    /// In words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Points => "points",
+            Self::PointConditions => "conditions of points",
+            Self::Nodes => "nodes",
+            Self::Elements => "elements",
+        }
+    }
+}
+
 /// A variable that a process will read, with the place of the JSON that asks for it.
 #[derive(Debug, Clone)]
 pub struct Wanted {
@@ -108,6 +122,8 @@ pub struct Requirements {
     pub written: Vec<PathBuf>,
     /// Faults of what processes read and write between them.
     pub faults: InputErrors,
+    /// What solvers of all kinds can show.
+    pub providers: Vec<Provider>,
 }
 
 impl Requirements {
@@ -121,14 +137,25 @@ impl Requirements {
             match known.iter().find(|variable| variable.name == wanted.variable) {
                 Some(variable) if chosen.iter().any(|other| other.name == variable.name) => {}
                 Some(variable) => chosen.push(*variable),
-                None => {
-                    let message = format!("nobody in this scene provides {:?}", wanted.variable);
-                    let names = known.iter().map(|variable| variable.name);
-                    errors.push(wanted.place.error(message).allowed(&wanted.variable, names));
-                }
+                None => errors.push(self.nobody(wanted, known.iter().map(|variable| variable.name))),
             }
         }
         chosen
+    }
+
+    /// The fault that a solver, which knows these names, does not provide what is wanted; tells who could.
+    pub fn nobody(&self, wanted: &Wanted, known: impl Iterator<Item = &'static str>) -> Diagnostic {
+        let name = wanted.variable.as_str();
+        let fault = wanted.place.error(format!("nobody in this scene provides {name:?}"));
+        let names: Vec<&str> = known.filter(|known| *known != name).collect();
+        let others = self.providers.iter().filter(|provider| (provider.variables)().contains(&name));
+        let others: Vec<String> =
+            others.map(|provider| format!("{} on {}", provider.who, provider.location.name())).collect();
+        match (others.is_empty(), names.is_empty()) {
+            (true, _) => fault.allowed(name, names),
+            (false, true) => fault.help(format!("provided by: {}", others.join("; "))),
+            (false, false) => fault.help(format!("provided by: {}. Here: {}", others.join("; "), names.join(", "))),
+        }
     }
 
     /// Says that the process at `place` writes a nodal variable, at the end of each step. Processes
@@ -219,6 +246,12 @@ pub trait Process: Send {
 
     /// At the start of each step, before the search.
     fn execute_initialize_solution_step(&mut self, context: &mut Context) -> Result<(), Error> {
+        Ok(())
+    }
+
+    /// Between the pieces of a step that is cut, each of which begins with the hook above: gives up what holds
+    /// for a piece alone, such as fixed values. What is shown at the end of a step is not shown here.
+    fn execute_between_pieces(&mut self, context: &mut Context) -> Result<(), Error> {
         Ok(())
     }
 

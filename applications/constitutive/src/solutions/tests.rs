@@ -5,17 +5,17 @@ use super::simple_wave::SimpleWave;
 use super::standing_wave::StandingWave;
 use super::{Field, LineSolution};
 
-/// ∂u/∂t = v and stiffness ∂u/∂s = stress by central differences, relative to the largest values.
-fn check_compatible(solution: &dyn LineSolution, modulus: impl Fn(f64) -> f64, places: &[[f64; 2]], tolerance: f64) {
+/// ∂u/∂t = v and stiffness ∂u/∂s = stress by central differences, to 1e-6 of the size of velocities and stresses.
+fn check_compatible(solution: &dyn LineSolution, modulus: impl Fn(f64) -> f64, places: &[[f64; 2]], scale: [f64; 2]) {
     let u = |s: f64, t: f64| solution.value(Field::Displacement, s, t);
     for &[s, t] in places {
         let (ds, dt) = (1e-6 * s.abs().max(1e-3), 1e-6 * t);
         let velocity = (u(s, t + dt) - u(s, t - dt)) / (2.0 * dt);
         let strain = (u(s + ds, t) - u(s - ds, t)) / (2.0 * ds);
         let (v, stress) = (solution.value(Field::Velocity, s, t), solution.value(Field::Stress, s, t));
-        assert!((velocity - v).abs() <= tolerance * v.abs().max(1e-6), "v at {s}, {t}: {velocity} {v}");
+        assert!((velocity - v).abs() <= 1e-6 * scale[0], "v at {s}, {t}: {velocity} {v}");
         let expected = modulus(strain);
-        assert!((expected - stress).abs() <= tolerance * stress.abs().max(1.0), "σ at {s}, {t}: {expected} {stress}");
+        assert!((expected - stress).abs() <= 1e-6 * scale[1], "σ at {s}, {t}: {expected} {stress}");
     }
 }
 
@@ -31,7 +31,7 @@ fn the_loaded_bar_keeps_its_ends_and_balances() {
         [0.3, 0.7, 1.4, 1.9, 2.6, 3.3, 4.7].iter().flat_map(|t| [0.9, 2.3, 4.4].map(|s| [s, t * crossing])).collect();
     for far in [1.0, -1.0] {
         let bar = bar(far, far, -stress / 2e11, 0.0);
-        check_compatible(&bar, |strain| 2e11 * strain, &inside, 1e-6);
+        check_compatible(&bar, |strain| 2e11 * strain, &inside, [25.0, 1e9]);
         for t in [0.5, 1.5, 2.5, 7.5].map(|t| t * crossing) {
             assert!((bar.value(Field::Stress, 0.0, t) / stress - 1.0).abs() < 1e-12);
             let (field, name) = if far > 0.0 { (Field::Stress, "stress") } else { (Field::Velocity, "velocity") };
@@ -74,7 +74,7 @@ fn a_bar_that_hits_a_wall_leaves_it_with_its_speed() {
 fn standing_waves_swing() {
     let wave = StandingWave { modulus: 3e6, wave_number: 2.0, frequency: 7.0, phase: 0.4, amplitudes: [0.01, -0.02] };
     let places: Vec<[f64; 2]> = [0.2, 1.1, 2.7].iter().flat_map(|t| [0.3, 1.2].map(|s| [s, *t])).collect();
-    check_compatible(&wave, |strain| 3e6 * strain, &places, 1e-6);
+    check_compatible(&wave, |strain| 3e6 * strain, &places, [0.1, 1e5]);
 }
 
 /// Renaud and Heuzé 2017, §5.3, by an independent evaluation: stretches, speeds and velocities.
@@ -94,6 +94,6 @@ fn the_nonlinear_bar_has_the_published_waves() {
     // A wide fan.
     let strong = SimpleWave::new(modulus, density, -3e10).unwrap();
     let inside = [0.3, 0.8, 0.9, 0.97].map(|share: f64| [share * 5.0637, 1e-3]);
-    check_compatible(&strong, law, &inside, 1e-6);
+    check_compatible(&strong, law, &inside, [1e3, 3e10]);
     assert!(SimpleWave::new(modulus, density, -3.9e10).is_none(), "0.19245 E is the most");
 }

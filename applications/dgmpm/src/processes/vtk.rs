@@ -2,6 +2,7 @@
 
 use super::{elements_of, points_of};
 use crate::engine::Points;
+use crate::fields::{DERIVED, OF_POINTS};
 use crate::results::{dataset, field};
 use bia_kernel::diagnostic::InputErrors;
 use bia_kernel::error::Error;
@@ -72,7 +73,7 @@ impl PointOutput {
         }
         for place in self.variables() {
             let name = place.value().as_str().unwrap_or_default();
-            if let Some(variable) = crate::fields::OF_POINTS.iter().find(|variable| variable.name == name) {
+            if let Some(variable) = OF_POINTS.iter().chain(DERIVED).find(|variable| variable.name == name) {
                 fields.push(field(engine, &chosen, variable));
             }
         }

@@ -109,6 +109,11 @@ impl KratosFaults {
         if self.0 { f64::EPSILON } else { f64::EPSILON * largest }
     }
 
+    /// Whether nodes without mass are at rest, even where a point's gradients reach them.
+    pub fn stops_light_nodes(self) -> bool {
+        self.0
+    }
+
     /// Functions up to this one do not carry conditions; none to let all do so.
     pub fn least_function(self) -> Option<f64> {
         self.0.then_some(f64::EPSILON)

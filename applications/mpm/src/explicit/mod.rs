@@ -221,7 +221,10 @@ impl Explicit {
 
 impl Solver for Explicit {
     fn import(&mut self, model: &mut Model, registry: &Registry) -> Result<(), InputErrors> {
-        self.scene.import(model, registry)
+        self.scene.import(model, registry)?;
+        // Nodes without mass are dragged along here; a mass of nearly nothing would take any force badly.
+        self.scene.space = std::mem::take(&mut self.scene.space).without_inset();
+        Ok(())
     }
 
     fn processes(&self) -> Vec<Box<dyn Process>> {

@@ -40,6 +40,8 @@ pub struct Nodes {
     /// Velocities imposed in the last step by grid node, NaN where free; empty while none moves.
     last: Vec<[f64; 3]>,
     least_mass: f64,
+    /// Nodes up to that mass, each with the others of its active cells.
+    light: Vec<(u32, Vec<u32>)>,
     /// Fixed components of the mesh's nodes and of the functions, where these are not the same.
     fixed: Vec<[bool; 3]>,
     held: Vec<[bool; 3]>,
@@ -114,21 +116,61 @@ impl Nodes {
         }
     }
 
-    /// Fixes the mass below which nodes are left alone, once the masses are there.
+    /// Fixes the mass below which nodes are left alone, once the masses are there, and finds such nodes.
     ///
     /// # Errors
     /// A function whose lumped mass is negative: with polynomials of degree 2 and more that change sign.
-    pub fn weigh(&mut self, faults: KratosFaults) -> Result<(), Failure> {
-        let bounds = |masses: &[f64]| masses.iter().fold((0.0, 0.0), |(low, high), m| (m.min(low), m.max(high)));
+    pub fn weigh(&mut self, space: &Space, active: &ActiveCells, faults: KratosFaults) -> Result<(), Failure> {
+        const NONE: (f64, f64) = (f64::INFINITY, 0.0);
+        let bounds = |masses: &[f64]| masses.iter().fold(NONE, |(low, high), m| (m.min(low), m.max(high)));
         let widen = |a: (f64, f64), b: (f64, f64)| (a.0.min(b.0), a.1.max(b.1));
-        let (least, largest) = self.sums.mass.par_chunks(NODES).map(bounds).reduce(|| (0.0, 0.0), widen);
+        let (least, largest) = self.sums.mass.par_chunks(NODES).map(bounds).reduce(|| NONE, widen);
         self.least_mass = faults.least_mass(largest);
+        self.light.clear();
+        if least <= self.least_mass && !faults.stops_light_nodes() {
+            self.find_light(space, active);
+        }
         if least >= -NEGLIGIBLE * largest {
             return Ok(());
         }
         let what = format!("a function of the grid has the negative lumped mass {least:e} kg");
         let advice = "\"consistent_mass_matrix\": true, more points in each cell, a lower basis_order or b_spline";
         Err(Failure::new(what, advice))
+    }
+
+    /// A point on a face of its cell gives the nodes beyond no mass, but they are in its gradients.
+    fn find_light(&mut self, space: &Space, active: &ActiveCells) {
+        let light = |number: &u32| self.sums.mass[*number as usize] <= self.least_mass;
+        let mut sources = std::collections::BTreeMap::<u32, Vec<u32>>::new();
+        for &cell in &active.cells {
+            let numbers = space.nodes_of(cell as usize).iter();
+            let numbers: Vec<u32> = numbers.filter_map(|&node| self.dofs.number(node)).map(|n| n as u32).collect();
+            for &number in numbers.iter().filter(|number| light(number)) {
+                let others = numbers.iter().filter(|number| !light(number));
+                sources.entry(number).or_default().extend(others);
+            }
+        }
+        for others in sources.values_mut() {
+            others.sort_unstable();
+            others.dedup();
+        }
+        self.light = sources.into_iter().collect();
+    }
+
+    /// Nodes without mass move as the material of their cells does: so they would with any mass,
+    /// however small, while at rest they would tear or hold it.
+    fn drag_light(&mut self) {
+        let (block, mass) = (self.dofs.block(), &self.sums.mass);
+        for (node, others) in &self.light {
+            let total: f64 = others.iter().map(|&other| mass[other as usize]).sum();
+            for a in 0..block {
+                let dof = *node as usize * block + a;
+                if total > 0.0 && !self.dofs.fixed()[dof] {
+                    let of = |other: &u32| mass[*other as usize] * self.velocity[*other as usize * block + a];
+                    self.velocity[dof] = others.iter().map(of).sum::<f64>() / total;
+                }
+            }
+        }
     }
 
     /// Velocity from momentum, imposed where fixed.
@@ -144,6 +186,7 @@ impl Nodes {
                 }
             }
         });
+        self.drag_light();
         self.frames.slide(&mut self.velocity);
     }
 

@@ -36,7 +36,7 @@ impl Explicit {
         self.nodes.start(grid, &self.scene.space, time_step, self.faults);
         let wanted = if self.updates_stress_first() { Wanted::Momentum } else { Wanted::Both };
         self.gather(points, wanted, time_step);
-        Ok(self.nodes.weigh(self.faults)?)
+        Ok(self.nodes.weigh(&self.scene.space, &self.active, self.faults)?)
     }
 
     /// The acceleration of the grid, and its velocity after it.

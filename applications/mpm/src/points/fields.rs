@@ -20,6 +20,7 @@ const POINT_VARIABLES: &[(&str, Columns)] = &[
     ("MP_PK1_STRESS_TENSOR", STRESS),
     ("MP_PK2_STRESS_VECTOR", STRESS),
     ("MP_EQUIVALENT_STRESS", STRESS),
+    ("MP_MEAN_STRESS", STRESS),
     ("MP_ALMANSI_STRAIN_VECTOR", Columns { strain: true, ..NONE }),
     ("MP_GREEN_LAGRANGE_STRAIN_VECTOR", NONE),
     ("MP_HENCKY_STRAIN_VECTOR", NONE),
@@ -34,6 +35,7 @@ const POINT_VARIABLES: &[(&str, Columns)] = &[
     ("MP_KINETIC_ENERGY", VELOCITY),
     ("MP_STRAIN_ENERGY", Columns { strain_energy: true, ..NONE }),
     ("MP_TOTAL_ENERGY", ENERGY),
+    ("MP_STRAIN_ENERGY_DENSITY", Columns { strain_energy: true, ..NONE }),
 ];
 /// Variable of the column that holds body accelerations given as functions.
 pub const BODY_ACCELERATION: &str = "MP_BODY_ACCELERATION";
@@ -69,6 +71,11 @@ pub const RECORD: Columns = Columns {
 /// Variables of material-point conditions.
 pub const CONDITION_VARIABLES: &[&str] =
     &["MPC_COORD", "MPC_DISPLACEMENT", "MPC_VELOCITY", "MPC_ACCELERATION", "MPC_NORMAL", "MPC_AREA", "POINT_LOAD"];
+
+/// Names of the variables that points can show, in mixed formulations alone or not.
+pub fn names_of(mixed: bool) -> Vec<&'static str> {
+    POINT_VARIABLES.iter().filter(|(_, columns)| columns.pressure == mixed).map(|(name, _)| *name).collect()
+}
 
 /// Names of the variables that points can show.
 pub fn names() -> impl Iterator<Item = &'static str> {
@@ -130,6 +137,10 @@ pub fn append(block: &Block, point: usize, variable: &str, out: &mut Vec<f64>) -
             measures::symmetric(block, &measures::second_piola_kirchhoff(&stress, &gradient()), out);
         }
         "MP_EQUIVALENT_STRESS" => out.push(measures::von_mises(&measures::cauchy_stress(block, point))),
+        "MP_MEAN_STRESS" => out.push(measures::cauchy_stress(block, point).trace() / 3.0),
+        "MP_STRAIN_ENERGY_DENSITY" => {
+            out.push(energies(block, point).strain * block.density / block.mass.row(point)[0]);
+        }
         "MP_ALMANSI_STRAIN_VECTOR" if block.strain.is_used() => out.extend(block.strain.row(point)),
         "MP_ALMANSI_STRAIN_VECTOR" => strain(almansi_strain, out),
         "MP_GREEN_LAGRANGE_STRAIN_VECTOR" => strain(green_lagrange_strain, out),

@@ -1,4 +1,5 @@
-//! Body acceleration and initial velocity of material points as functions of place and time.
+//! Body acceleration of material points as functions of place and time, and their velocity or acceleration at the
+//! start, from functions or a file.
 //!
 //! Bia's own: Kratos knows one constant vector a body for each ([`super::acceleration`]).
 
@@ -10,8 +11,10 @@ use bia_kernel::error::{Error, Failure};
 use bia_kernel::io::checkpoint::{Archive, CheckpointError};
 use bia_kernel::model::Model;
 use bia_kernel::parameters::{Key, Kind, Settings};
+use bia_kernel::processes::sampled::{self, SampledField};
 use bia_kernel::processes::{Context, Interval, Location, Process, Requirements, SpaceTimeValue, Wanted};
 use bia_kernel::registry::{Building, ProcessEntry, Registry};
+use bia_kernel::variables::Column;
 use rayon::prelude::*;
 
 const PART: Key =
@@ -28,8 +31,19 @@ const ACCELERATION: &[Key] = &[
     ),
     Key::new("interval", Kind::Interval, "[0.0, \"End\"]", "when it acts [s]"),
 ];
-const VELOCITY: &[Key] =
-    &[PART, Key::new("value", Kind::Functions3, "[0.0, 0.0, 0.0]", "velocity [m/s], a function of x, y, z and t")];
+const FIELD: &[Key] = &Key::join::<3, 4, 7>(
+    [
+        PART,
+        Key::new(
+            "variable_name",
+            Kind::Choice(&["MP_VELOCITY", "MP_ACCELERATION"]),
+            "\"MP_VELOCITY\"",
+            "what is given at the start",
+        ),
+        Key::new("value", Kind::Functions3, "[0.0, 0.0, 0.0]", "components [m/s or m/s²], functions of x, y, z and t"),
+    ],
+    sampled::KEYS,
+);
 
 /// Registers the processes of this file.
 pub fn register(registry: &mut Registry) {
@@ -42,12 +56,12 @@ pub fn register(registry: &mut Registry) {
         build: |building| Ok(Box::new(BodyAcceleration { values: Values::new(building)?, first: false })),
     });
     registry.process(ProcessEntry {
-        name: "assign_initial_velocity_field_to_material_point_process",
-        aliases: &[],
+        name: "assign_initial_field_to_material_point_process",
+        aliases: &["assign_initial_velocity_field_to_material_point_process"],
         application: Some("MPMApplication"),
-        keys: VELOCITY,
-        help: "velocity of material points at the start as functions of place",
-        build: |building| Ok(Box::new(InitialVelocity(Values::new(building)?))),
+        keys: FIELD,
+        help: "velocity or acceleration of material points at the start, as functions of place or from a vtu file",
+        build: |building| Ok(Box::new(InitialField::read(building)?)),
     });
 }
 
@@ -72,12 +86,7 @@ impl Values {
     ///
     /// # Errors
     /// A value that is not finite.
-    fn add(
-        &self,
-        points: &mut MaterialPoints,
-        time: f64,
-        choose: fn(&mut Block) -> &mut bia_kernel::variables::Column,
-    ) -> Result<(), Error> {
+    fn add(&self, points: &mut MaterialPoints, time: f64, choose: fn(&mut Block) -> &mut Column) -> Result<(), Error> {
         let Some(selection) = points.select(self.settings.text("model_part_name")) else { return Ok(()) };
         for block in points.blocks.iter_mut().filter(|block| selection.holds(block.body)) {
             let mut column = std::mem::take(choose(block));
@@ -174,12 +183,60 @@ impl Process for BodyAcceleration {
     }
 }
 
-/// Velocity at the start.
-struct InitialVelocity(Values);
+/// A vector field at the start.
+struct InitialField {
+    values: Values,
+    file: Option<SampledField>,
+}
 
-impl Process for InitialVelocity {
+impl InitialField {
+    fn read(building: Building) -> Result<Self, InputErrors> {
+        let settings = &building.settings;
+        let mut errors = InputErrors::default();
+        if settings.given("file") && settings.given("value") {
+            errors.push(settings.error("file", "stands beside \"value\"; one of them gives the field"));
+        }
+        let folder = &building.options.folder;
+        let file = errors.absorb(SampledField::read(settings, settings.text("variable_name"), 3, folder)).flatten();
+        let values = errors.absorb(Values::new(building));
+        match values {
+            Some(values) => errors.or(Self { values, file }),
+            None => Err(errors),
+        }
+    }
+
+    fn column(&self) -> fn(&mut Block) -> &mut Column {
+        match self.values.settings.text("variable_name") {
+            "MP_ACCELERATION" => |block| &mut block.acceleration,
+            _ => |block| &mut block.velocity,
+        }
+    }
+
+    /// Sets the column of a block from the file.
+    ///
+    /// # Errors
+    /// A point for which the file has no value.
+    fn sample(&self, block: &mut Block, file: &SampledField) -> Result<(), Error> {
+        for point in 0..block.len() {
+            let (x, mut value) = (block.coordinates(point), [0.0; 3]);
+            if file.at(x, &mut value).is_none() {
+                let what = format!("{:?} has no value here", self.values.settings.text("file"));
+                let advice = "a file that covers the body, \"match\": \"nearest\", or a larger tolerance";
+                let name = format!("material point {}", block.ids[point]);
+                return Err(Failure::new(what, advice).at(name, x).into());
+            }
+            let column = self.column()(block);
+            if column.is_used() {
+                column.row_mut(point).iter_mut().zip(value).for_each(|(entry, value)| *entry = value);
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Process for InitialField {
     fn name(&self) -> &str {
-        "assign_initial_velocity_field_to_material_point"
+        "assign_initial_field_to_material_point"
     }
 
     fn exchange_state(&mut self, _: &mut Archive) -> Result<(), CheckpointError> {
@@ -187,15 +244,29 @@ impl Process for InitialVelocity {
     }
 
     fn connect(&mut self, model: &mut Model) -> Result<(), InputErrors> {
-        check_part(model, &self.0.settings)
+        check_part(model, &self.values.settings)
+    }
+
+    /// Velocities are kept wherever there is inertia.
+    fn require(&self, requirements: &mut Requirements) {
+        let variable = self.values.settings.text("variable_name");
+        if variable == "MP_ACCELERATION" {
+            let place = self.values.settings.parameters().clone();
+            requirements.variables.push(Wanted { location: Location::Points, variable: variable.into(), place });
+        }
     }
 
     fn execute_before_solution_loop(&mut self, context: &mut Context) -> Result<(), Error> {
-        let time = context.clock.time;
+        let (time, column) = (context.clock.time, self.column());
         let Some(points) = context.model.extension_mut::<MaterialPoints>() else { return Ok(()) };
-        let Some(selection) = points.select(self.0.settings.text("model_part_name")) else { return Ok(()) };
-        let chosen = points.blocks.iter_mut().filter(|block| selection.holds(block.body));
-        chosen.for_each(|block| block.velocity.values_mut().fill(0.0));
-        self.0.add(points, time, |block| &mut block.velocity)
+        let Some(selection) = points.select(self.values.settings.text("model_part_name")) else { return Ok(()) };
+        let mut chosen = points.blocks.iter_mut().filter(|block| selection.holds(block.body));
+        match &self.file {
+            Some(file) => chosen.try_for_each(|block| self.sample(block, file)),
+            None => {
+                chosen.for_each(|block| column(block).values_mut().fill(0.0));
+                self.values.add(points, time, column)
+            }
+        }
     }
 }

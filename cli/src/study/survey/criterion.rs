@@ -3,6 +3,7 @@
 use super::keys::CRITERION;
 use crate::study::outcome::Outcome;
 use crate::study::page::shown;
+use crate::study::quantity::Quantity;
 use bia_kernel::diagnostic::InputErrors;
 use bia_kernel::parameters::{Parameters, Settings};
 
@@ -45,31 +46,6 @@ impl Verdict {
     }
 }
 
-/// A number, or where it stands in the summary.
-#[derive(Debug, Clone)]
-enum Term {
-    Number(f64),
-    Pointer(String),
-}
-
-impl Term {
-    fn read(settings: &Settings, key: &str) -> Result<Option<Self>, InputErrors> {
-        let Some(place) = settings.get(key) else { return Ok(None) };
-        match (place.value().as_f64(), place.value().as_str()) {
-            (Some(number), _) => Ok(Some(Self::Number(number))),
-            (None, Some(pointer)) if pointer.starts_with('/') => Ok(Some(Self::Pointer(pointer.into()))),
-            _ => Err(place.error("must be a number, or a JSON pointer into the summary").into()),
-        }
-    }
-
-    fn value(&self, outcome: &Outcome) -> Option<f64> {
-        match self {
-            Self::Number(number) => Some(*number),
-            Self::Pointer(pointer) => outcome.number(pointer),
-        }
-    }
-}
-
 /// A criterion.
 #[derive(Debug, Clone)]
 pub enum Criterion {
@@ -87,10 +63,7 @@ pub enum Criterion {
 /// A bound.
 #[derive(Debug, Clone)]
 pub struct Bound {
-    quantity: String,
-    minus: Option<Term>,
-    over: Option<Term>,
-    absolute: bool,
+    quantity: Quantity,
     max: Option<f64>,
     min: Option<f64>,
     degraded: Option<f64>,
@@ -121,12 +94,8 @@ impl Criterion {
             let (end, reason) = (settings.text("expect").to_string(), settings.text_if("reason_contains"));
             return Ok(Self::End { end, reason });
         }
-        let quantity = settings.text_if("quantity");
         let mut errors = InputErrors::default();
-        if !quantity.starts_with('/') {
-            let help = "\"quantity\": a JSON pointer such as /errors/u/largest, or \"expect\": how the run ends";
-            errors.push(place.error("looks at nothing").help(help));
-        }
+        let quantity = errors.absorb(Quantity::read(&settings, place));
         let number = |key: &str| settings.given(key).then(|| settings.number(key));
         let (max, min, degraded) = (number("max"), number("min"), number("degraded"));
         if max.is_none() && min.is_none() {
@@ -137,10 +106,11 @@ impl Criterion {
         {
             errors.push(place.error("\"min\" is above \"max\", or \"degraded\" stands beside both"));
         }
-        let minus = errors.absorb(Term::read(&settings, "minus")).flatten();
-        let over = errors.absorb(Term::read(&settings, "over")).flatten();
-        let (absolute, text) = (settings.flag("absolute"), settings.text("text").to_string());
-        errors.or(Self::Bound(Box::new(Bound { quantity, minus, over, absolute, max, min, degraded, text })))
+        let text = settings.text("text").to_string();
+        match quantity {
+            Some(quantity) => errors.or(Self::Bound(Box::new(Bound { quantity, max, min, degraded, text }))),
+            None => Err(errors),
+        }
     }
 
     /// Whether it asks for another end than a good one.
@@ -176,21 +146,8 @@ impl TextIf for Settings {
 }
 
 impl Bound {
-    /// The number; none if a part of it is not there or not finite.
-    fn value(&self, outcome: &Outcome) -> Option<f64> {
-        let mut value = outcome.number(&self.quantity)?;
-        if let Some(minus) = &self.minus {
-            value -= minus.value(outcome)?;
-        }
-        if let Some(over) = &self.over {
-            value /= over.value(outcome)?;
-        }
-        let value = if self.absolute { value.abs() } else { value };
-        value.is_finite().then_some(value)
-    }
-
     fn look(&self, outcome: &Outcome) -> Finding {
-        let number = self.value(outcome);
+        let number = self.quantity.value(outcome);
         let within = |high: Option<f64>, low: Option<f64>, x: f64| {
             high.is_none_or(|high| x <= high) && low.is_none_or(|low| x >= low)
         };
@@ -203,8 +160,11 @@ impl Bound {
                 _ => Verdict::Fails,
             },
         };
-        let what = if self.text.is_empty() { self.quantity.clone() } else { self.text.clone() };
-        let bounds = [self.min.map(|min| format!("≥ {}", shown(Some(min)))), self.max.map(|max| format!("≤ {}", shown(Some(max))))];
+        let what = if self.text.is_empty() { self.quantity.pointer.clone() } else { self.text.clone() };
+        let bounds = [
+            self.min.map(|min| format!("≥ {}", shown(Some(min)))),
+            self.max.map(|max| format!("≤ {}", shown(Some(max)))),
+        ];
         let wanted = bounds.into_iter().flatten().collect::<Vec<_>>().join(", ");
         Finding { verdict, what, number, wanted }
     }

@@ -1,5 +1,6 @@
 //! Keys of survey files.
 
+use crate::study::quantity::QUANTITY;
 use bia_kernel::parameters::{Key, Kind, Range};
 
 /// Keys of a survey, `bia survey SURVEY.json`.
@@ -45,15 +46,14 @@ pub const RUN: &[Key] = &[
 ];
 
 /// Keys of a criterion of a quantity, or of the end.
-pub const CRITERION: &[Key] = &[
-    Key::optional("quantity", Kind::Text, "JSON pointer into the summary of the run"),
-    Key::optional("minus", Kind::Any, "number, or pointer to what is subtracted"),
-    Key::optional("over", Kind::Any, "number, or pointer to what it is divided by"),
-    Key::new("absolute", Kind::Bool, "true", "its absolute value counts"),
-    Key::optional("max", Kind::Number(Range::ANY), "passes up to this"),
-    Key::optional("min", Kind::Number(Range::ANY), "passes from this on"),
-    Key::optional("degraded", Kind::Number(Range::ANY), "is degraded, not failed, up to (or from) this"),
-    Key::optional("expect", Kind::Choice(&["done", "failed", "input"]), "how the run must end"),
-    Key::optional("reason_contains", Kind::Text, "what its reason must tell"),
-    Key::new("text", Kind::Text, "\"\"", "what the quantity is, with its unit"),
-];
+pub const CRITERION: &[Key] = &Key::join::<4, 6, 10>(
+    QUANTITY,
+    [
+        Key::optional("max", Kind::Number(Range::ANY), "passes up to this"),
+        Key::optional("min", Kind::Number(Range::ANY), "passes from this on"),
+        Key::optional("degraded", Kind::Number(Range::ANY), "is degraded, not failed, up to (or from) this"),
+        Key::optional("expect", Kind::Choice(&["done", "failed", "input"]), "how the run must end"),
+        Key::optional("reason_contains", Kind::Text, "what its reason must tell"),
+        Key::new("text", Kind::Text, "\"\"", "what the quantity is, with its unit"),
+    ],
+);

@@ -7,7 +7,6 @@ mod report;
 
 use super::machine::machine;
 use super::outcome::Outcome;
-use super::runner::Stop;
 use super::{Job, StudyArguments};
 use bia_kernel::diagnostic::InputErrors;
 use plan::Survey;
@@ -33,13 +32,13 @@ impl Job for Survey {
         self.repetitions
     }
 
-    fn report(&self, outcomes: Vec<Outcome>, folder: &Path) -> Result<Vec<(PathBuf, String)>, Stop> {
+    fn report(&self, outcomes: Vec<Outcome>, folder: &Path) -> Vec<(PathBuf, String)> {
         let by_name = self.wanted().map(|wanted| wanted.case.name.as_str()).zip(outcomes).collect();
         let report = Report::new(self, machine(), by_name);
-        Ok(vec![
+        vec![
             (folder.join("report.html"), report.html()),
             (folder.join("results.csv"), report.csv()),
             (folder.join("results.json"), format!("{:#}\n", report.json())),
-        ])
+        ]
     }
 }

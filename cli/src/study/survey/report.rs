@@ -83,16 +83,16 @@ impl<'a> Report<'a> {
             out += &self.scene(scene);
         }
         let _ = writeln!(out, "<h2>How it was measured</h2>\n<p>{}.</p>", escaped(&in_words(&self.machine)));
-        out += "<p>Each run was a process of its own; CPU time is that of the loop over time steps, of all threads.</p>\n";
+        out +=
+            "<p>Each run was a process of its own; CPU time is that of the loop over time steps, of all threads.</p>\n";
         out += &self.commands();
         page(&self.survey.title, &out)
     }
 
     fn counts(&self) -> String {
         let cells = self.survey.scenes.iter().flat_map(|scene| scene.runs.iter().flatten());
-        let all: Vec<(Verdict, bool)> = cells
-            .map(|run| (self.judge(run).verdict, matches!(run, Run::Wanted(wanted) if wanted.must)))
-            .collect();
+        let all: Vec<(Verdict, bool)> =
+            cells.map(|run| (self.judge(run).verdict, matches!(run, Run::Wanted(wanted) if wanted.must))).collect();
         let count = |verdict: Verdict| all.iter().filter(|(found, _)| *found == verdict).count();
         let verdicts = [Verdict::Pass, Verdict::Degraded, Verdict::Fails, Verdict::Refused, Verdict::Cannot];
         let told: Vec<String> = verdicts
@@ -112,10 +112,12 @@ impl<'a> Report<'a> {
     fn matrix(&self) -> String {
         let mut head = vec!["scene"];
         head.extend(self.survey.methods.iter().map(|(label, _)| label.as_str()));
-        let mut table = Table::new(&head);
+        let mut table = Table::new(&head).of_texts();
         for scene in &self.survey.scenes {
             let (id, title) = (escaped(&scene.id), escaped(&scene.title));
-            let mut row = format!("<tr><td class=\"text\"><a href=\"#{id}\">{id}</a><br><small class=\"soft\">{title}</small></td>");
+            let mut row = format!(
+                "<tr><td class=\"text\"><a href=\"#{id}\">{id}</a><br><small class=\"soft\">{title}</small></td>"
+            );
             for run in &scene.runs {
                 row += &match run {
                     Some(run) => self.cell(run),
@@ -136,13 +138,16 @@ impl<'a> Report<'a> {
             Run::Cannot(_) => None,
         };
         let cost = cost.map_or(String::new(), |cpu| format!("<small>{} s</small>", shown(Some(cpu.median))));
-        format!("<td class=\"cell\" title=\"{reason}\"><b class=\"{class}\">{sign} {class}</b><small>{short}</small>{cost}</td>")
+        format!(
+            "<td class=\"cell\" title=\"{reason}\"><b class=\"{class}\">{sign} {class}</b><small>{short}</small>{cost}</td>"
+        )
     }
 
     fn scene(&self, scene: &Scene) -> String {
         let (id, title) = (escaped(&scene.id), escaped(&scene.title));
         let mut out = format!("<h3 id=\"{id}\">{id}: {title}</h3>\n{}", paragraphs(&scene.text, ""));
-        let mut table = Table::new(&["method", "result", "criterion", "found", "wanted", "steps", "CPU [s]"]);
+        let mut table =
+            Table::new(&["method", "result", "criterion", "found", "wanted", "steps", "CPU [s]"]).of_texts();
         let mut notes = String::new();
         for ((label, _), run) in self.survey.methods.iter().zip(&scene.runs) {
             let Some(run) = run else { continue };
@@ -155,7 +160,7 @@ impl<'a> Report<'a> {
             let steps = counted(outcome.and_then(|outcome| outcome.number("/steps")));
             let cpu = shown(outcome.and_then(Outcome::cpu).map(|cpu| cpu.median));
             if cell.findings.is_empty() {
-                let reason = format!("<span class=\"text\">{}</span>", escaped(&cell.reason));
+                let reason = escaped(&cell.reason);
                 table.row(&[escaped(label), verdict, reason, String::new(), String::new(), steps, cpu]);
             } else {
                 for (index, finding) in cell.findings.iter().enumerate() {
@@ -186,7 +191,9 @@ impl<'a> Report<'a> {
 
     /// What each run of a scene used, and did without, beside the fullest one.
     fn left_out(&self, scene: &Scene) -> String {
-        let mut table = Table::new(&["method", "columns", "left out", "unknowns", "stages", "bytes a point", "memory [MB]"]);
+        let mut table =
+            Table::new(&["method", "columns", "left out", "unknowns", "stages", "bytes a point", "memory [MB]"])
+                .of_texts();
         let mut any = false;
         let mut row = |label: &str, outcome: &Outcome| {
             let names = |pointer: &str, key: Option<&str>| -> String {
@@ -208,7 +215,9 @@ impl<'a> Report<'a> {
             let cells: String = cells
                 .iter()
                 .enumerate()
-                .map(|(i, cell)| format!("<td{}>{cell}</td>", if [0, 1, 3].contains(&i) { " class=\"text\"" } else { "" }))
+                .map(|(i, cell)| {
+                    format!("<td{}>{cell}</td>", if [0, 1, 3].contains(&i) { " class=\"text\"" } else { "" })
+                })
                 .collect();
             table.raw(&format!("<tr><td>{}</td>{cells}</tr>", escaped(label)));
         };

@@ -5,7 +5,7 @@ use crate::diagnostic::InputErrors;
 use crate::geometry::Shape;
 
 /// Kinds that Bia has, by Gmsh's number; nodes stand in Bia's order.
-const KNOWN: [(i32, Shape); 6] = [
+pub(super) const KNOWN: [(i32, Shape); 6] = [
     (1, Shape::Line2),
     (2, Shape::Triangle3),
     (3, Shape::Quadrilateral4),

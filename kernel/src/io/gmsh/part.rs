@@ -129,7 +129,7 @@ fn element(prefix: &str, shape: Shape) -> String {
 }
 
 /// Kratos's name of a geometry, such as `Line2D2`.
-fn geometry(shape: Shape, space: usize) -> String {
+pub(crate) fn geometry(shape: Shape, space: usize) -> String {
     let name = match shape {
         Shape::Point1 => return format!("Point{space}D"),
         Shape::Line2 => "Line",

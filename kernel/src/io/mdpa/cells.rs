@@ -9,7 +9,7 @@ use crate::geometry::Shape;
 use crate::model::Cells;
 
 /// Names of geometries with their shapes.
-const GEOMETRIES: [(&str, Shape); 10] = [
+pub(super) const GEOMETRIES: [(&str, Shape); 10] = [
     ("Point2D", Shape::Point1),
     ("Point3D", Shape::Point1),
     ("Line2D2", Shape::Line2),

@@ -3,6 +3,7 @@
 mod bodies;
 mod grids;
 mod inputs;
+mod surfaces;
 
 use super::mesh::{Mesh, faces};
 use crate::diagnostic::InputErrors;

@@ -24,8 +24,18 @@ pub const FILES: [Key; 14] = [
         "legacy VTK as text or binary, or compressed .vtu files with a .pvd series",
     ),
     Key::new("output_precision", Kind::Integer { min: 0 }, "7", "digits after the point in text files and labels"),
-    Key::new("single_precision", Kind::Bool, "false", "write .vtu files in single precision: half the size"),
-    Key::new("output_control_type", Kind::Choice(&["step", "time"]), "\"step\"", "what output_interval counts"),
+    Key::new(
+        "precision",
+        Kind::Choice(&["float64", "float32"]),
+        "\"float64\"",
+        "numbers of .vtu files; float32 halves their size and keeps 7 digits",
+    ),
+    Key::new(
+        "output_control_type",
+        Kind::Choice(&["step", "time", "wall_time"]),
+        "\"step\"",
+        "what output_interval counts: steps, simulated time, or time on the wall",
+    ),
     Key::new(
         "output_interval",
         Kind::Number(Range::NOT_NEGATIVE),
@@ -93,6 +103,12 @@ impl VtkFiles {
         if digits > MOST_DIGITS {
             return Err(settings.error("output_precision", format!("must be at most {MOST_DIGITS}")).into());
         }
+        if settings.text("precision") == "float32" && settings.text("file_format") != "vtu" {
+            let fault = settings.error("precision", "float32 is for files of the format vtu");
+            return Err(fault
+                .help("set \"file_format\": \"vtu\"; legacy files are written as Kratos writes them")
+                .into());
+        }
         let precision = digits as usize;
         let own_folder = settings.flag("save_output_files_in_folder");
         let below = if own_folder { settings.text("output_path") } else { "" };
@@ -102,7 +118,7 @@ impl VtkFiles {
             project: [options.folder.clone(), options.output.clone()],
             format: match settings.text("file_format") {
                 "ascii" => Format::Legacy(Encoding::Ascii { precision }),
-                "vtu" => Format::Vtu { single_precision: settings.flag("single_precision") },
+                "vtu" => Format::Vtu { single_precision: settings.text("precision") == "float32" },
                 _ => Format::Legacy(Encoding::Binary),
             },
             prefix: settings.text("custom_name_prefix").into(),
