@@ -51,6 +51,8 @@ pub struct Scene {
     pub locator: Option<CellLocator>,
     /// The grid's functions, once it is there.
     pub space: Space,
+    /// Whether points on faces of cells are taken to stand a little within.
+    pub insets: bool,
     catalogue: Catalogue,
     told_losses: usize,
 }
@@ -59,8 +61,8 @@ impl Scene {
     /// A scene without meshes.
     pub fn new(settings: SolverSettings, options: RunOptions) -> Self {
         let catalogue = Catalogue::default();
-        let space = Space::default();
-        Self { settings, options, materials: Vec::new(), locator: None, space, catalogue, told_losses: 0 }
+        let (space, insets) = (Space::default(), !options.kratos_exact);
+        Self { settings, options, materials: Vec::new(), locator: None, space, insets, catalogue, told_losses: 0 }
     }
 
     /// Reads meshes and materials.
@@ -119,7 +121,7 @@ impl Scene {
             return Err(self.settings.settings.error("domain_size", message).into());
         }
         let space = Space::new(grid, &self.settings.discretisation, &self.settings.settings)?;
-        let space = if self.options.kratos_exact { space.without_inset() } else { space };
+        let space = if self.insets { space } else { space.without_inset() };
         if !space.is_mesh() && !grid.node_fields.slides(&DISPLACEMENT).is_empty() {
             let message = "walls to slide along need the functions of the mesh";
             let help = "fix the normal component of walls that stand along the axes, or leave \"basis\" out";
@@ -147,9 +149,7 @@ impl Scene {
         let elements = grid.elements.len() + bodies.elements.len() + points.len();
         points.conditions = conditions::generate(grid, &requests, &locator, elements)?;
         carriers::choose(&mut points);
-        if !space.is_mesh() {
-            localise(&mut points, &space);
-        }
+        localise(&mut points, &space);
         let symmetric = points.blocks.iter().all(|block| block.law.is_symmetric());
         tracing::debug!("{}", locator.describe());
         (self.locator, self.space) = (Some(locator), space);
@@ -251,18 +251,20 @@ pub fn with_points<T>(
     result
 }
 
-/// Gives points and conditions the local coordinates of functions that are not the mesh's.
+/// Gives points and conditions the local coordinates of the grid's functions, given those in the mesh's cells.
 fn localise(points: &mut MaterialPoints, space: &Space) {
     let dimension = points.dimension();
     for block in points.blocks.iter_mut().filter(|block| block.local.is_used()) {
         for point in 0..block.len() {
-            let xi = space.local(block.cell[point] as usize, block.coordinates(point), [0.0; 3]);
+            let row = block.local.row(point);
+            let of_mesh = std::array::from_fn(|a| row.get(a).copied().unwrap_or(0.0));
+            let xi = space.local(block.cell[point] as usize, block.coordinates(point), of_mesh);
             block.local.row_mut(point).copy_from_slice(&xi[..dimension]);
         }
     }
     let conditions = &mut points.conditions;
     for i in 0..conditions.len() {
-        conditions.local[i] = space.local(conditions.cell[i] as usize, conditions.position[i], [0.0; 3]);
+        conditions.local[i] = space.local(conditions.cell[i] as usize, conditions.position[i], conditions.local[i]);
     }
 }
 

@@ -99,7 +99,7 @@ impl Tensor {
 /// How far inside a cell of the mesh points are taken to stand, in local coordinates. On a face a node beyond
 /// it has no mass, but its function has a gradient there, so that it would act as a support; a little within,
 /// it has a velocity. Its share of a point's mass is half of this.
-const INSET: f64 = 1e-10;
+pub const INSET: f64 = 1e-10;
 
 /// The grid's functions.
 pub struct Space {
@@ -256,7 +256,7 @@ impl Space {
     #[inline]
     pub fn local(&self, cell: usize, x: [f64; 3], of_mesh: [f64; 3]) -> [f64; 3] {
         match &self.functions {
-            Functions::Mesh(shapes) if self.inset => inside(shapes[cell], of_mesh),
+            Functions::Mesh(shapes) if self.inset => shapes.get(cell).map_or(of_mesh, |shape| inside(*shape, of_mesh)),
             Functions::Mesh(_) => of_mesh,
             Functions::Tensor(tensor) => tensor.basis.local(cell, x),
         }

@@ -91,8 +91,10 @@ impl Explicit {
         // Kratos knows neither the total frame nor other functions.
         let faults = KratosFaults(options.kratos_exact && frame == Frame::Updated && basis == Basis::Mesh);
         let courant = courant::limit(&explicit, settings.discretisation, settings.dimension);
+        // Nodes without mass are dragged along here; one of next to nothing would answer a force wildly.
+        let scene = Scene { insets: false, ..Scene::new(settings, options) };
         Self {
-            scene: Scene::new(settings, options),
+            scene,
             settings: explicit,
             faults,
             mapping: Mapping { affine: false, stored: true },
@@ -221,10 +223,7 @@ impl Explicit {
 
 impl Solver for Explicit {
     fn import(&mut self, model: &mut Model, registry: &Registry) -> Result<(), InputErrors> {
-        self.scene.import(model, registry)?;
-        // Nodes without mass are dragged along here; a mass of nearly nothing would take any force badly.
-        self.scene.space = std::mem::take(&mut self.scene.space).without_inset();
-        Ok(())
+        self.scene.import(model, registry)
     }
 
     fn processes(&self) -> Vec<Box<dyn Process>> {
