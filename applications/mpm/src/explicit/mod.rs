@@ -92,7 +92,8 @@ impl Explicit {
         let faults = KratosFaults(options.kratos_exact && frame == Frame::Updated && basis == Basis::Mesh);
         let courant = courant::limit(&explicit, settings.discretisation, settings.dimension);
         // Nodes without mass are dragged along here; one of next to nothing would answer a force wildly.
-        let scene = Scene { insets: false, ..Scene::new(settings, options) };
+        let mut scene = Scene::new(settings, options);
+        scene.insets = false;
         Self {
             scene,
             settings: explicit,
