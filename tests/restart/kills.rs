@@ -30,12 +30,25 @@ fn kill_again_and_again(told: &str, scene: &Scene, every_steps: usize) {
     let whole = folder(&write, &outputs, None);
     let begin = Instant::now();
     succeed(whole.path(), &["--quiet", "--threads", "1"]);
-    let time = begin.elapsed();
-    let pieces = folder(&write, &outputs, Some(json!({"every_steps": every_steps})));
+    let mut patience = begin.elapsed() / 5;
+    // On a machine with other work a run may take much less time than the first one did.
+    for _ in 0..8 {
+        let pieces = folder(&write, &outputs, Some(json!({"every_steps": every_steps})));
+        let kills = kill_until_one_ends(told, pieces.path(), patience);
+        assert_same(&format!("{told}, killed {kills} times"), &results(whole.path()), &results(pieces.path()));
+        if kills > 2 {
+            return;
+        }
+        patience /= 2;
+    }
+    panic!("{told}: the run always ended before it was killed three times");
+}
+
+/// Gives how often the run was killed.
+fn kill_until_one_ends(told: &str, pieces: &Path, mut patience: Duration) -> u64 {
     let mut kills = 0;
-    let mut patience = time / 5;
     loop {
-        let mut child = start(pieces.path(), kills > 0);
+        let mut child = start(pieces, kills > 0);
         std::thread::sleep(patience);
         if child.try_wait().unwrap().is_none() {
             child.kill().unwrap();
@@ -49,10 +62,8 @@ fn kill_again_and_again(told: &str, scene: &Scene, every_steps: usize) {
         let output = child.wait_with_output().unwrap();
         let message = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.success(), "{told} after {kills} kills: {message}");
-        break;
+        return kills;
     }
-    assert!(kills > 2, "{told}: the run was killed {kills} times only");
-    assert_same(&format!("{told}, killed {kills} times"), &results(whole.path()), &results(pieces.path()));
 }
 
 #[test]

@@ -1,0 +1,73 @@
+"""What applications cost the scenes that do not use them: builds the program with all applications and with
+each alone, runs the same scenes with both, and prints binary sizes and CPU times as Markdown.
+
+    measure_features.py [--repetitions 9] [--into docs/studies.md]
+
+Builds go to `target/features/` and take some minutes. Runs of the two programs alternate, so that a
+machine that slows down slows both. Python's standard library only.
+"""
+
+import argparse
+import json
+import statistics
+import subprocess
+import tempfile
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+APPLICATIONS = {
+    "mpm": ["colliding_discs", "falling_block", "cook_incompressible"],
+    "dgmpm": ["dgmpm_notched_plate"],
+    "structural": ["studies/step_bar/fem.json"],
+}
+
+
+def build(features):
+    """The program with these applications."""
+    name = "_".join(features)
+    target = ROOT / "target/features" / name
+    command = ["cargo", "build", "--release", "--no-default-features", "--features", ",".join(features)]
+    subprocess.run([*command, "--target-dir", target], cwd=ROOT, check=True)
+    return target / "release/bia"
+
+
+def cpu_time(program, project, folder):
+    """CPU seconds of the loop over time steps."""
+    summary = Path(folder) / "summary.json"
+    line = [program, "run", project, "--quiet", "--threads", "1", "--output", folder, "--summary", summary]
+    subprocess.run(line, check=True)
+    return json.loads(summary.read_text())["loop_cpu_s"]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--repetitions", type=int, default=9)
+    parser.add_argument("--into", type=Path, help="text with a place between <!-- features --> and <!-- end -->")
+    arguments = parser.parse_args()
+    whole = build(list(APPLICATIONS))
+    size = lambda program: f"{program.stat().st_size / 1e6:.1f}"
+    lines = ["| applications | binary MB | scene | CPU s, all built in | CPU s, this one alone | ratio | spread |"]
+    lines += ["|---|---|---|---|---|---|---|", f"| all | {size(whole)} | | | | | |"]
+    for application, scenes in APPLICATIONS.items():
+        alone = build([application])
+        for scene in scenes:
+            path = ROOT / "examples" / scene
+            project = path if path.suffix == ".json" else path / "ProjectParameters.json"
+            with tempfile.TemporaryDirectory() as folder:
+                pairs = [(cpu_time(whole, project, folder), cpu_time(alone, project, folder))
+                         for _ in range(arguments.repetitions)]
+            ratios = [a / b for a, b in pairs]
+            medians = [statistics.median(times) for times in zip(*pairs)]
+            quarters = statistics.quantiles(ratios, n=4)
+            lines.append(f"| {application} | {size(alone)} | {scene} | {medians[0]:.4f} | {medians[1]:.4f} "
+                         f"| {statistics.median(ratios):.3f} | {quarters[0]:.3f}–{quarters[2]:.3f} |")
+    table = "\n".join(lines)
+    print(table)
+    if arguments.into:
+        text = arguments.into.read_text()
+        head, rest = text.split("<!-- features -->")
+        tail = rest.split("<!-- end -->", 1)[1]
+        arguments.into.write_text(f"{head}<!-- features -->\n\n{table}\n\n<!-- end -->{tail}")
+
+
+main()
