@@ -63,9 +63,6 @@ pub trait Real:
 
     /// ln(1 + x), accurate for small x. Not a number for x < −1.
     fn ln_1p(self) -> Self;
-
-    /// The number, or the bound that it exceeds.
-    fn within(self, low: f64, high: f64) -> Self;
 }
 
 impl Real for f64 {
@@ -77,11 +74,6 @@ impl Real for f64 {
     #[inline(always)]
     fn ln_1p(self) -> Self {
         f64::ln_1p(self)
-    }
-
-    #[inline(always)]
-    fn within(self, low: f64, high: f64) -> Self {
-        self.max(low).min(high)
     }
 }
 
@@ -342,11 +334,6 @@ impl<S: Simd> Real for Lanes<S> {
             sum = sum * square + 1.0 / (2 * k + 1) as f64;
         }
         (s + s * square * sum) * 2.0
-    }
-
-    #[inline(always)]
-    fn within(self, low: f64, high: f64) -> Self {
-        self.max(self.constant(low)).min(self.constant(high))
     }
 }
 

@@ -90,6 +90,29 @@ fn a_study_reports_errors_orders_times_and_troubles() {
     assert!(!page.contains("://") || page.matches("://").count() == page.matches("http://www.w3.org/2000/svg").count());
 }
 
+/// Every study that is shipped can be run: its pointers lead somewhere, its projects are right.
+#[test]
+fn shipped_studies_are_right() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut seen = 0;
+    for entry in std::fs::read_dir(root.join("examples/studies")).unwrap().flatten() {
+        let study = format!("examples/studies/{}/study.json", entry.file_name().to_string_lossy());
+        let planned = bia(root, &["study", &study, "--dry-run"]);
+        assert!(planned.status.success(), "{study}: {}", text(&planned.stderr));
+        assert!(text(&planned.stdout).lines().count() >= 12, "{study}");
+        let page = root.join(format!("docs/studies/{}.html", entry.file_name().to_string_lossy()));
+        assert!(page.is_file(), "{study} has no page in the documentation");
+        for file in std::fs::read_dir(entry.path()).unwrap().flatten().map(|file| file.path()) {
+            if file.extension().is_some_and(|extension| extension == "json") && !file.ends_with("study.json") {
+                let checked = bia(root, &["check", &file.to_string_lossy()]);
+                assert!(checked.status.success(), "{}: {}", file.display(), text(&checked.stderr));
+            }
+        }
+        seen += 1;
+    }
+    assert!(seen >= 5, "{seen} studies");
+}
+
 /// An error may be made of any numbers of the summary.
 #[test]
 fn an_error_may_be_a_difference() {

@@ -51,6 +51,8 @@ pub struct Scene {
     pub locator: Option<CellLocator>,
     /// The grid's functions, once it is there.
     pub space: Space,
+    /// Whether points on faces of cells are taken to stand a little within.
+    pub insets: bool,
     catalogue: Catalogue,
     told_losses: usize,
 }
@@ -59,8 +61,8 @@ impl Scene {
     /// A scene without meshes.
     pub fn new(settings: SolverSettings, options: RunOptions) -> Self {
         let catalogue = Catalogue::default();
-        let space = Space::default();
-        Self { settings, options, materials: Vec::new(), locator: None, space, catalogue, told_losses: 0 }
+        let (space, insets) = (Space::default(), !options.kratos_exact);
+        Self { settings, options, materials: Vec::new(), locator: None, space, insets, catalogue, told_losses: 0 }
     }
 
     /// Reads meshes and materials.
@@ -119,7 +121,7 @@ impl Scene {
             return Err(self.settings.settings.error("domain_size", message).into());
         }
         let space = Space::new(grid, &self.settings.discretisation, &self.settings.settings)?;
-        let space = if self.options.kratos_exact { space.without_inset() } else { space };
+        let space = if self.insets { space } else { space.without_inset() };
         if !space.is_mesh() && !grid.node_fields.slides(&DISPLACEMENT).is_empty() {
             let message = "walls to slide along need the functions of the mesh";
             let help = "fix the normal component of walls that stand along the axes, or leave \"basis\" out";

@@ -1,7 +1,7 @@
 //! A cell as the kernels see it: its functions, and the map between its local coordinates and space.
 
 use super::modes::{Modes, Monomials};
-use crate::space::{Functions, INSET, Space};
+use crate::space::{Functions, Space};
 use bia_kernel::geometry::{CellShape, MeshCell, PlacedBasis, Shape, TensorCell, adjugate, jacobian};
 use bia_kernel::lanes::{Lanes, Real, WIDTH};
 
@@ -12,8 +12,6 @@ pub struct Mapping {
     pub affine: bool,
     /// Points keep their local coordinates; else they follow from positions wherever wanted.
     pub stored: bool,
-    /// Points on faces are taken to stand within their cells by [`INSET`].
-    pub inset: bool,
 }
 
 /// The map x = x₀ + J ξ of a cell with parallel sides.
@@ -51,7 +49,6 @@ pub struct Cell<B, const D: usize, const N: usize> {
     pub basis: B,
     map: Option<AffineMap<D>>,
     stored: bool,
-    inset: bool,
 }
 
 impl<'a, S: Monomials<D, N>, const D: usize, const N: usize> CellOf<'a, D, N> for MeshCell<S, D, N> {
@@ -187,27 +184,6 @@ impl<const D: usize> AffineMap<D> {
         xi
     }
 
-    /// Local coordinates at least [`INSET`] within the cell, for points that lie in it.
-    #[inline(always)]
-    fn inside<R: Real>(&self, mut xi: [R; D]) -> [R; D] {
-        if !self.simplex {
-            for a in 0..D {
-                xi[a] = xi[a].within(INSET - 1.0, 1.0 - INSET);
-            }
-            return xi;
-        }
-        let mut sum = xi[0].constant(INSET - 1.0);
-        for a in 0..D {
-            xi[a] = xi[a].within(INSET, 1.0);
-            sum += xi[a];
-        }
-        let excess = sum.within(0.0, 1.0) * (1.0 / D as f64);
-        for a in 0..D {
-            xi[a] -= excess;
-        }
-        xi
-    }
-
     /// Whether all positions lie in the cell.
     #[inline(always)]
     pub fn holds_all<S: pulp::Simd>(&self, x: &[Lanes<S>; D]) -> bool {
@@ -256,8 +232,7 @@ impl<'a, B: CellOf<'a, D, N>, const D: usize, const N: usize> Cell<B, D, N> {
     #[inline(always)]
     pub fn of(space: &'a Space, cell: usize, mapping: Mapping, placed: bool) -> Option<Self> {
         let map = if mapping.affine { Some(B::map(space, cell)?) } else { None };
-        let basis = B::of(space, cell, placed || !mapping.affine)?;
-        Some(Self { basis, map, stored: mapping.stored, inset: mapping.inset && B::OF_MESH })
+        Some(Self { basis: B::of(space, cell, placed || !mapping.affine)?, map, stored: mapping.stored })
     }
 
     /// Whether local coordinates are stored.
@@ -270,7 +245,6 @@ impl<'a, B: CellOf<'a, D, N>, const D: usize, const N: usize> Cell<B, D, N> {
     #[inline(always)]
     pub fn local<R: Real>(&self, x: &[R; D]) -> [R; D] {
         match &self.map {
-            Some(map) if self.inset => map.inside(map.local(x)),
             Some(map) => map.local(x),
             None => *x,
         }

@@ -91,11 +91,14 @@ impl Explicit {
         // Kratos knows neither the total frame nor other functions.
         let faults = KratosFaults(options.kratos_exact && frame == Frame::Updated && basis == Basis::Mesh);
         let courant = courant::limit(&explicit, settings.discretisation, settings.dimension);
+        // Nodes without mass are dragged along here; one of next to nothing would answer a force wildly.
+        let mut scene = Scene::new(settings, options);
+        scene.insets = false;
         Self {
-            scene: Scene::new(settings, options),
+            scene,
             settings: explicit,
             faults,
-            mapping: Mapping { affine: false, stored: true, inset: false },
+            mapping: Mapping { affine: false, stored: true },
             search: Search::default(),
             active: ActiveCells::default(),
             patches: Patches::default(),
@@ -221,10 +224,7 @@ impl Explicit {
 
 impl Solver for Explicit {
     fn import(&mut self, model: &mut Model, registry: &Registry) -> Result<(), InputErrors> {
-        self.scene.import(model, registry)?;
-        // Nodes without mass are dragged along here; a mass of nearly nothing would take any force badly.
-        self.scene.space = std::mem::take(&mut self.scene.space).without_inset();
-        Ok(())
+        self.scene.import(model, registry)
     }
 
     fn processes(&self) -> Vec<Box<dyn Process>> {
@@ -247,7 +247,6 @@ impl Solver for Explicit {
         if let Some(grid) = model.part(GRID) {
             self.mapping = search::mapping(grid, &self.scene.settings.discretisation);
             self.mapping.stored |= self.settings.consistent_mass;
-            self.mapping.inset &= !self.scene.options.kratos_exact;
         }
         let dimension = self.scene.settings.dimension;
         let needed = Columns {

@@ -72,7 +72,6 @@ impl Search {
                 moved |= block.cell[point] != *cell;
                 block.cell[point] = *cell;
                 if block.local.is_used() {
-                    let xi = scene.space.local(*cell as usize, block.coordinates(point), *xi);
                     let local = block.local.row_mut(point);
                     local.copy_from_slice(&xi[..local.len()]);
                 }
@@ -136,7 +135,7 @@ pub fn mapping(grid: &ModelPart, choice: &Discretisation) -> Mapping {
         with_shape!(shape, |S, D, N| is_affine::<S, D, N>(&corners(grid, cell)), else true)
     };
     let affine = choice.basis != Basis::Mesh || (0..grid.elements.len()).all(is_parallel);
-    Mapping { affine, stored: choice.frame == Frame::Total || !affine, inset: true }
+    Mapping { affine, stored: choice.frame == Frame::Total || !affine }
 }
 
 fn corners<const D: usize, const N: usize>(grid: &ModelPart, cell: usize) -> [[f64; D]; N] {
