@@ -178,11 +178,13 @@ fn a_step_that_does_not_converge_stops_the_run_if_asked_to() {
 
 #[test]
 fn a_step_is_halved_a_bounded_number_of_times() {
-    let Run { code, words, .. } = run(&with_solver(Scene::base(), "\"on_no_convergence\": \"cut_step\"").replace(
-        PROJECT,
-        "\"max_iteration\": 20",
-        "\"max_iteration\": 1, \"residual_absolute_tolerance\": 0.0, \"residual_relative_tolerance\": 0.0",
-    ));
+    let scene = with_solver(Scene::base(), "\"on_no_convergence\": \"cut_step\"");
+    let Run { code, words, .. } =
+        run(&scene.replace(PROJECT, "\"residual_criterion\"", "\"displacement_criterion\"").replace(
+            PROJECT,
+            "\"max_iteration\": 20",
+            "\"max_iteration\": 1, \"displacement_absolute_tolerance\": 0.0, \"displacement_relative_tolerance\": 0.0",
+        ));
     assert_eq!(code, Some(3), "{words}");
     for says in ["did not converge", "halved 8 times, to 3.90625e-5 s", "the state was saved to failed_state.vtu"] {
         assert!(words.contains(says), "{says:?} is not in {words}");

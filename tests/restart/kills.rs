@@ -84,14 +84,14 @@ fn killed_runs_leave_no_trace() {
 fn signals_stop_a_run_after_a_step() {
     let explicit = json!({"solver_type": "dynamic", "time_integration_method": "explicit",
                           "scheme_type": "forward_euler", "time_stepping": {"time_step": 0.0005}});
-    let scene = scene(&explicit, "HyperElasticNeoHookeanPlaneStrain2DLaw", 1.0);
-    let (write, outputs) = (|folder: &Path| scene.write(folder), outputs_of_points(50));
+    let scene = scene(&explicit, "HyperElasticNeoHookeanPlaneStrain2DLaw", 3.0);
+    let (write, outputs) = (|folder: &Path| scene.write(folder), outputs_of_points(500));
     let whole = folder(&write, &outputs, None);
     succeed(whole.path(), &["--quiet", "--threads", "1"]);
     let pieces = folder(&write, &outputs, Some(json!({})));
     for (signal, code, resumes) in [("-INT", 130, false), ("-TERM", 143, true)] {
         let mut child = start(pieces.path(), resumes);
-        std::thread::sleep(Duration::from_millis(150));
+        std::thread::sleep(Duration::from_millis(100));
         assert!(child.try_wait().unwrap().is_none(), "the run was over before the signal");
         Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap();
         let output = child.wait_with_output().unwrap();

@@ -33,9 +33,7 @@ fn a_point_flies_from_inside_edges_and_nodes() {
             let moved = first.iter().map(|x| (0..3).map(|a| x[a] + VELOCITY[a] * last.time()).collect());
             let exact: Vec<Vec<f64>> = moved.collect();
             let error = largest_difference(&last.points("MP_COORD"), &exact);
-            // Explicit runs divide by what a point just beyond a face gives a node, which round-off makes inexact.
-            let bound = if solver["frame"] == "updated_lagrangian" { 2e-6 } else { 1e-9 };
-            assert!(error < bound, "{place:?} {solver}: off by {error:e} m");
+            assert!(error < 1e-9, "{place:?} {solver}: off by {error:e} m");
         }
     }
 }

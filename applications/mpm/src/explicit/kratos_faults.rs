@@ -109,7 +109,8 @@ impl KratosFaults {
         if self.0 { f64::EPSILON } else { f64::EPSILON * largest }
     }
 
-    /// Whether nodes without mass are at rest, even where a point's gradients reach them.
+    /// Whether nodes without mass are at rest, even where a point's gradients reach them, and light nodes move
+    /// by their own forces.
     pub fn stops_light_nodes(self) -> bool {
         self.0
     }

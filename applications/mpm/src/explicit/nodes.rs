@@ -14,6 +14,10 @@ use rayon::prelude::*;
 /// Share of the largest mass by which one may be negative: points may stand a little outside their cells.
 const NEGLIGIBLE: f64 = 1e-5;
 
+/// Share of the largest mass up to which a node is light. Masses and momenta are sums with round-off of 1e-16 of
+/// the largest, so that of their ratio no more than half of the digits would be right.
+const LIGHT: f64 = 1e-8;
+
 /// Nodes that one thread takes at a time.
 const NODES: usize = 2048;
 
@@ -40,7 +44,7 @@ pub struct Nodes {
     /// Velocities imposed in the last step by grid node, NaN where free; empty while none moves.
     last: Vec<[f64; 3]>,
     least_mass: f64,
-    /// Nodes up to that mass, each with the others of its active cells.
+    /// Light nodes, each with the others of its active cells.
     light: Vec<(u32, Vec<u32>)>,
     /// Fixed components of the mesh's nodes and of the functions, where these are not the same.
     fixed: Vec<[bool; 3]>,
@@ -127,8 +131,8 @@ impl Nodes {
         let (least, largest) = self.sums.mass.par_chunks(NODES).map(bounds).reduce(|| NONE, widen);
         self.least_mass = faults.least_mass(largest);
         self.light.clear();
-        if least <= self.least_mass && !faults.stops_light_nodes() {
-            self.find_light(space, active);
+        if least <= LIGHT * largest && !faults.stops_light_nodes() {
+            self.find_light(space, active, LIGHT * largest);
         }
         if least >= -NEGLIGIBLE * largest {
             return Ok(());
@@ -139,8 +143,8 @@ impl Nodes {
     }
 
     /// A point on a face of its cell gives the nodes beyond no mass, but they are in its gradients.
-    fn find_light(&mut self, space: &Space, active: &ActiveCells) {
-        let light = |number: &u32| self.sums.mass[*number as usize] <= self.least_mass;
+    fn find_light(&mut self, space: &Space, active: &ActiveCells, mass: f64) {
+        let light = |number: &u32| self.sums.mass[*number as usize] <= mass;
         let mut sources = std::collections::BTreeMap::<u32, Vec<u32>>::new();
         for &cell in &active.cells {
             let numbers = space.nodes_of(cell as usize).iter();
@@ -157,8 +161,22 @@ impl Nodes {
         self.light = sources.into_iter().collect();
     }
 
-    /// Nodes without mass move as the material of their cells does: so they would with any mass,
-    /// however small, while at rest they would tear or hold it.
+    /// The forces of light nodes act on the others, so that none is lost.
+    fn pass_on_forces(&mut self) {
+        let (block, mass, force) = (self.dofs.block(), &self.sums.mass, &mut self.sums.force);
+        for (node, others) in &self.light {
+            let total: f64 = others.iter().map(|&other| mass[other as usize]).sum();
+            for a in (0..block).filter(|a| total > 0.0 && !self.dofs.fixed()[*node as usize * block + a]) {
+                let passed = std::mem::take(&mut force[*node as usize * block + a]);
+                for &other in others {
+                    force[other as usize * block + a] += mass[other as usize] / total * passed;
+                }
+            }
+        }
+    }
+
+    /// Light nodes move as the material of their cells does: so they would with any mass, however small,
+    /// while at rest they would tear or hold it.
     fn drag_light(&mut self) {
         let (block, mass) = (self.dofs.block(), &self.sums.mass);
         for (node, others) in &self.light {
@@ -217,6 +235,7 @@ impl Nodes {
 
     /// Accelerations, reactions, and momentum after the time `impulse`.
     pub fn accelerate(&mut self, impulse: f64) {
+        self.pass_on_forces();
         let (block, fixed, least) = (self.dofs.block(), self.dofs.fixed(), self.least_mass);
         let (mass, force, imposed) = (&self.sums.mass, &self.sums.force, &self.imposed);
         let momentum = self.sums.momentum.par_chunks_mut(block * NODES);
