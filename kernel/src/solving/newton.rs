@@ -244,7 +244,7 @@ fn worst(problem: &dyn NonlinearSystem, rhs: &[f64]) -> Option<(String, [f64; 3]
 }
 
 /// Round-off of the residual in units of ε h |K_ii|.
-const ROUND_OFF: f64 = 16.0;
+const ROUND_OFF: f64 = 64.0;
 
 /// What the residual of each dof may be by round-off alone. A deformation gradient is known to the machine's
 /// precision ε, as if the nodes at the distance h of neighbours stood wrong by ε h, and a force to ε h |K_ii|:

@@ -131,8 +131,10 @@ impl Nodes {
         let (least, largest) = self.sums.mass.par_chunks(NODES).map(bounds).reduce(|| NONE, widen);
         self.least_mass = faults.least_mass(largest);
         self.light.clear();
-        if least <= LIGHT * largest && !faults.stops_light_nodes() {
-            self.find_light(space, active, LIGHT * largest);
+        // Splines vanish smoothly where their support ends, so that light nodes do no harm there.
+        let light = if space.is_mesh() { LIGHT * largest } else { self.least_mass };
+        if least <= light && !faults.stops_light_nodes() {
+            self.find_light(space, active, light);
         }
         if least >= -NEGLIGIBLE * largest {
             return Ok(());
