@@ -35,7 +35,7 @@ pub struct SampledField {
 
 enum Search {
     Nearest(Nearest, f64),
-    Cells(Box<ModelPart>, CellLocator),
+    Cells(Box<(ModelPart, CellLocator)>),
 }
 
 impl SampledField {
@@ -78,7 +78,7 @@ impl SampledField {
                 ));
             }
             let locator = CellLocator::new(&part, 1e-9);
-            Search::Cells(Box::new(part), locator)
+            Search::Cells(Box::new((part, locator)))
         };
         Ok(Some(Self { values, width, search }))
     }
@@ -94,7 +94,8 @@ impl SampledField {
                 }
                 out.iter_mut().zip(row(index)).for_each(|(out, value)| *out = *value);
             }
-            Search::Cells(part, locator) => {
+            Search::Cells(cells) => {
+                let (part, locator) = &**cells;
                 let (cell, xi) = locator.locate(x, None)?;
                 let mut functions = [0.0; 8];
                 part.elements.shapes[cell as usize].functions(xi, &mut functions);
