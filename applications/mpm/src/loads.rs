@@ -42,7 +42,7 @@ impl Loads<'_> {
 
     /// A place that is loaded through a function without dofs: no material point reaches it, so its
     /// share of the load is lost.
-    pub fn idle_place(&self, dofs: &ActiveDofs) -> Option<String> {
+    fn idle_place(&self, dofs: &ActiveDofs) -> Option<String> {
         let loaded = self.conditions.grid.iter().filter(|&&condition| is_loaded(self.grid, condition as usize));
         let mut functions = Vec::new();
         for node in loaded.flat_map(|&condition| self.grid.conditions.nodes_of(condition as usize)) {
@@ -60,6 +60,20 @@ impl Loads<'_> {
             }
         }
         None
+    }
+
+    /// Warns, once, of a load that acts where no material point is.
+    pub fn tell_idle(&self, dofs: &ActiveDofs, told: &mut bool) {
+        if *told {
+            return;
+        }
+        if let Some(place) = self.idle_place(dofs) {
+            *told = true;
+            tracing::warn!(
+                "a load acts on {place}, which no material point reaches: \
+                 that share of it has no effect, as in Kratos"
+            );
+        }
     }
 
     fn describe(&self, function: u32) -> String {

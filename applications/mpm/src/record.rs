@@ -3,7 +3,7 @@
 use crate::grid::GRID;
 use crate::points::conditions::PointConditions;
 use crate::points::fields::{CONDITION_VARIABLES, append, append_condition, energies, total_energies};
-use crate::points::{Block, MaterialPoints, Selection};
+use crate::points::{MaterialPoints, Selection};
 use crate::variables::{DISPLACEMENT, NODAL_MASS, PRESSURE, PRESSURE_REACTION, REACTION};
 use bia_kernel::analysis::number;
 use bia_kernel::io::json::JsonObject;
@@ -45,12 +45,11 @@ pub fn account(model: &Model) -> Map<String, Value> {
     head
 }
 
-/// Writes energies, sums and fields of all points, conditions and grid nodes. With `moments`, the
-/// points keep the first moments of an affine velocity (APIC), which count in the angular momentum.
+/// Writes energies, sums and fields of all points, conditions and grid nodes.
 ///
 /// # Errors
 /// The file cannot be written.
-pub fn snapshot(model: &Model, moments: bool, out: &mut JsonObject) -> Result<()> {
+pub fn snapshot(model: &Model, out: &mut JsonObject) -> Result<()> {
     let (Some(points), Some(grid)) = (model.extension::<MaterialPoints>(), model.part(GRID)) else {
         return Ok(());
     };
@@ -59,7 +58,7 @@ pub fn snapshot(model: &Model, moments: bool, out: &mut JsonObject) -> Result<()
     let energies = json!({"potential": number(total.potential), "kinetic": number(total.kinetic),
         "strain": number(total.strain), "total": number(total.total())});
     out.value("energies", &energies)?;
-    out.value("sums", &sums(points, moments))?;
+    out.value("sums", &sums(points))?;
     out.object("mp", |out| point_fields(points, out))?;
     if !points.conditions.is_empty() || !points.conditions.grid.is_empty() {
         out.object("mpc", |out| condition_fields(&points.conditions, out))?;
@@ -67,7 +66,7 @@ pub fn snapshot(model: &Model, moments: bool, out: &mut JsonObject) -> Result<()
     out.object("nodes", |out| node_fields(grid, out))
 }
 
-fn sums(points: &MaterialPoints, moments: bool) -> Value {
+fn sums(points: &MaterialPoints) -> Value {
     let (mut mass, mut volume, mut momentum, mut moment) = (0.0, 0.0, [0.0; 3], [0.0; 3]);
     let mut angular = [0.0; 3];
     let mut kinetic = 0.0;
@@ -80,28 +79,12 @@ fn sums(points: &MaterialPoints, moments: bool) -> Value {
             kinetic += energies(block, point).kinetic;
             block.velocity.row(point).iter().zip(&mut momentum).for_each(|(v, sum)| *sum += m * v);
             block.position.row(point).iter().zip(&mut moment).for_each(|(x, sum)| *sum += m * x);
-            let of_point = angular_momentum(block, point, moments);
-            angular.iter_mut().zip(of_point).for_each(|(sum, l)| *sum += m * l);
+            let of_point = block.angular_momentum(point, [0.0; 3]);
+            angular.iter_mut().zip(of_point).for_each(|(sum, l)| *sum += l);
         }
     }
     json!({"mass": number(mass), "volume": number(volume), "momentum": momentum.map(number),
            "angular_momentum": angular.map(number), "com": moment.map(|x| number(x / mass)), "kinetic_from_mp": number(kinetic)})
-}
-
-/// Angular momentum of a point about the origin, over its mass: x × v, and with `moments` that of the
-/// affine velocity about the point, the axial vector of B = Σ N v ⊗ (x_i − x_p) (Jiang et al. 2015).
-fn angular_momentum(block: &Block, point: usize, moments: bool) -> [f64; 3] {
-    let of = |row: &[f64]| -> [f64; 3] { std::array::from_fn(|a| row.get(a).copied().unwrap_or(0.0)) };
-    let (x, v) = (of(block.position.row(point)), of(block.velocity.row(point)));
-    let (dimension, kept) = (block.kinematics.dimension(), block.transfer.row(point));
-    let affine = |a: usize, b: usize| {
-        let inside = moments && a.max(b) < dimension;
-        if inside { kept.get(a * dimension + b).copied().unwrap_or(0.0) } else { 0.0 }
-    };
-    std::array::from_fn(|k| {
-        let (a, b) = ((k + 1) % 3, (k + 2) % 3);
-        x[a] * v[b] - x[b] * v[a] + affine(b, a) - affine(a, b)
-    })
 }
 
 fn point_fields(points: &MaterialPoints, out: &mut JsonObject) -> Result<()> {

@@ -26,7 +26,7 @@ pub fn register(registry: &mut Registry) {
         keys: crate::settings::KEYS,
         help: "material point method, updated Lagrangian; dynamic: implicit or explicit",
         build: |parameters, _, options| {
-            let settings = SolverSettings::read(parameters, &options.folder)?;
+            let settings = SolverSettings::read(parameters, options)?;
             match settings.explicit {
                 Some(scheme) => Ok(Box::new(Explicit::new(settings, scheme, options.clone()))),
                 None => Ok(Box::new(Implicit::new(settings, options.clone()))),

@@ -37,7 +37,7 @@ pub fn register(registry: &mut Registry) {
         keys: settings::KEYS,
         help: "total-Lagrangian finite elements; dynamic: implicit or explicit",
         build: |parameters, _, options| {
-            let settings = settings::SolverSettings::read(parameters, &options.folder)?;
+            let settings = settings::SolverSettings::read(parameters, options)?;
             Ok(Box::new(solver::Structural::new(settings)))
         },
     });

@@ -4,12 +4,12 @@ use bia_constitutive::{Kinematics, MATERIAL_IMPORT, MaterialSource};
 use bia_kernel::diagnostic::InputErrors;
 use bia_kernel::linalg::Method;
 use bia_kernel::parameters::{Key, Kind, Parameters, Range, Settings};
+use bia_kernel::processes::RunOptions;
 use bia_kernel::solving::linear::{self, Nature};
 use bia_kernel::solving::mesh::MESH_IMPORT;
 use bia_kernel::solving::newton::{CONVERGENCE, OnNoConvergence};
 use bia_kernel::solving::stepping::TIME_STEPPING;
 use bia_kernel::solving::{MeshSource, Newmark, Newton, Stepping};
-use std::path::Path;
 
 /// Keys of `solver_settings`.
 pub const KEYS: &[Key] = &Key::join::<8, 18, 26>(
@@ -89,11 +89,12 @@ pub struct SolverSettings {
 }
 
 impl SolverSettings {
-    /// Reads and checks; `folder` is that of the project.
+    /// Reads and checks.
     ///
     /// # Errors
     /// All faults together.
-    pub fn read(parameters: &Parameters, folder: &Path) -> Result<Self, InputErrors> {
+    pub fn read(parameters: &Parameters, options: &RunOptions) -> Result<Self, InputErrors> {
+        let folder = &options.folder;
         let s = parameters.read(KEYS)?;
         let mut errors = InputErrors::default();
         let dimension = s.integer("domain_size") as usize;
@@ -125,7 +126,7 @@ impl SolverSettings {
         let (Some(regime), Some(stepping), Some(mesh), Some(materials)) = (regime, stepping, mesh, materials) else {
             return Err(errors);
         };
-        let (newton, part) = (Newton::read(&s), s.text("model_part_name").to_string());
+        let (newton, part) = (Newton::read(&s, options.kratos_exact), s.text("model_part_name").to_string());
         let reactions = s.flag("compute_reactions");
         let built =
             Self { part, dimension, kinematics, regime, newton, stepping, reactions, mesh, materials, settings: s };

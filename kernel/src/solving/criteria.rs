@@ -40,19 +40,20 @@ impl Criterion {
     }
 
     /// Judges one iteration. `initial` is the norm of the residual at the start of the step; `round_off` of
-    /// each dof is what its residual may be by round-off alone, below which no residual is asked to be.
+    /// each dof is what its residual may be by round-off alone, below which no residual is asked to be. It is
+    /// empty while the residual still falls.
     pub fn met(&self, dofs: &ActiveDofs, initial: f64, round_off: &[f64], vectors: [&[f64]; 3]) -> bool {
         let [residual, correction, values] = vectors;
         let by_residual = |tolerances: &Tolerances| {
             let now = free_norm(dofs, residual);
-            let ratio = if initial < f64::EPSILON { 0.0 } else { now / initial };
+            let ratio = if initial == 0.0 { 0.0 } else { now / initial };
             tolerances.met(ratio, now / dofs.free().max(1) as f64)
                 || at_round_off(dofs, &(0..dofs.block()), residual, round_off)
         };
         let by_displacement = |tolerances: &Tolerances| {
             let step = free_norm(dofs, correction);
             let size = free_norm(dofs, values);
-            let ratio = if step == 0.0 { 0.0 } else { step / if size < f64::EPSILON { step } else { size } };
+            let ratio = if step == 0.0 { 0.0 } else { step / if size == 0.0 { step } else { size } };
             tolerances.met(ratio, step / (dofs.free().max(1) as f64).sqrt())
         };
         match self {
@@ -119,7 +120,7 @@ impl Criterion {
             fields.iter().zip(&references.values).all(|(field, reference)| {
                 let (now, count) = field_norm(dofs, &field.components, residual);
                 match field.reference {
-                    Reference::First if *reference < f64::EPSILON => true,
+                    Reference::First if *reference == 0.0 => true,
                     Reference::First => {
                         tolerances.met(now / reference, now / count.max(1) as f64)
                             || at_round_off(dofs, &field.components, residual, round_off)
@@ -132,7 +133,7 @@ impl Criterion {
             fields.iter().all(|field| {
                 let (step, count) = field_norm(dofs, &field.components, correction);
                 let size = field_norm(dofs, &field.components, values).0;
-                let ratio = if step == 0.0 { 0.0 } else { step / if size < f64::EPSILON { step } else { size } };
+                let ratio = if step == 0.0 { 0.0 } else { step / if size == 0.0 { step } else { size } };
                 let is_first = field.reference == Reference::First;
                 let absolute = if is_first { step / (count.max(1) as f64).sqrt() } else { f64::INFINITY };
                 tolerances.met(ratio, absolute)
@@ -153,7 +154,7 @@ fn at_round_off(dofs: &ActiveDofs, components: &Range<usize>, residual: &[f64], 
     let block = dofs.block().max(1);
     let mut free =
         dofs.fixed().iter().enumerate().filter(|(dof, fixed)| !**fixed && components.contains(&(dof % block)));
-    free.all(|(dof, _)| residual[dof].abs() <= round_off[dof])
+    !round_off.is_empty() && free.all(|(dof, _)| residual[dof].abs() <= round_off[dof])
 }
 
 /// Euclidean norm over the free dofs of these components, and their number.

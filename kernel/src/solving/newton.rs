@@ -31,6 +31,11 @@ pub trait NonlinearSystem {
         &[]
     }
 
+    /// Round-off of the residual of a dof, in units of ε h |K_ii|.
+    fn round_off(&self) -> f64 {
+        64.0
+    }
+
     /// Id and place of a dof, for messages.
     fn describe_dof(&self, dof: usize) -> (String, [f64; 3]);
 }
@@ -45,14 +50,24 @@ pub const CONVERGENCE: [Key; 8] = [
         "when Newton stops",
     ),
     Key::new("displacement_relative_tolerance", Kind::Number(Range::NOT_NEGATIVE), "1e-4", "relative to the unknowns"),
-    Key::new("displacement_absolute_tolerance", Kind::Number(Range::NOT_NEGATIVE), "1e-9", "per root of the dofs [m]"),
+    Key::new(
+        "displacement_absolute_tolerance",
+        Kind::Number(Range::NOT_NEGATIVE),
+        "1e-9",
+        "per root of the dofs [m]; counts where it is given, and with kratos_exact",
+    ),
     Key::new(
         "residual_relative_tolerance",
         Kind::Number(Range::NOT_NEGATIVE),
         "1e-4",
         "relative to the first residual",
     ),
-    Key::new("residual_absolute_tolerance", Kind::Number(Range::NOT_NEGATIVE), "1e-9", "per dof [N]"),
+    Key::new(
+        "residual_absolute_tolerance",
+        Kind::Number(Range::NOT_NEGATIVE),
+        "1e-9",
+        "per dof [N]; counts where it is given, and with kratos_exact",
+    ),
     Key::new("max_iteration", Kind::Integer { min: 1 }, "20", "most Newton iterations a step"),
     Key::new(
         "on_no_convergence",
@@ -140,11 +155,16 @@ impl StepReport {
 }
 
 impl Newton {
-    /// From settings with the keys [`CONVERGENCE`].
-    pub fn read(settings: &Settings) -> Self {
-        let tolerances = |kind: &str| Tolerances {
-            relative: settings.number(&format!("{kind}_relative_tolerance")),
-            absolute: settings.number(&format!("{kind}_absolute_tolerance")),
+    /// From settings with the keys [`CONVERGENCE`]. An absolute tolerance has the units of the scene, so
+    /// that one which nobody gave means nothing: 1e-9 N is more than all loads on a body of a nanometre.
+    pub fn read(settings: &Settings, kratos_exact: bool) -> Self {
+        let tolerances = |kind: &str| {
+            let (relative, absolute) = (format!("{kind}_relative_tolerance"), format!("{kind}_absolute_tolerance"));
+            let counts = kratos_exact || settings.given(&absolute);
+            Tolerances {
+                relative: settings.number(&relative),
+                absolute: if counts { settings.number(&absolute) } else { 0.0 },
+            }
         };
         let (displacement, residual) = (tolerances("displacement"), tolerances("residual"));
         let criterion = match settings.text("convergence_criterion") {
@@ -189,7 +209,7 @@ impl Newton {
                 return Ok(report);
             };
             report.iterations += 1;
-            let mut cut = false;
+            let (mut cut, before) = (false, if report.iterations == 1 { initial } else { report.residual });
             if criterion.needs_residual() {
                 cut = timed(&mut report.assembly, || evaluate(problem, system, &mut correction))?;
                 report.residual = free_norm(problem.dofs(), &system.rhs);
@@ -198,7 +218,8 @@ impl Newton {
                 }
             }
             let (fields, dofs) = (problem.fields(), problem.dofs());
-            let least = round_off(problem, system);
+            // Where a further correction would lessen it, the residual is not all round-off.
+            let least = if report.residual > 0.1 * before { round_off(problem, system) } else { Vec::new() };
             let vectors = [&system.rhs, &correction, problem.unknowns()];
             report.converged = if fields.is_empty() {
                 criterion.met(dofs, initial, &least, vectors)
@@ -243,9 +264,6 @@ fn worst(problem: &dyn NonlinearSystem, rhs: &[f64]) -> Option<(String, [f64; 3]
     Some(problem.describe_dof(dof))
 }
 
-/// Round-off of the residual in units of ε h |K_ii|.
-const ROUND_OFF: f64 = 64.0;
-
 /// What the residual of each dof may be by round-off alone. A deformation gradient is known to the machine's
 /// precision ε, as if the nodes at the distance h of neighbours stood wrong by ε h, and a force to ε h |K_ii|:
 /// with a stiffness of 1e10 times the load, no more than six digits of the residual can vanish.
@@ -260,7 +278,7 @@ fn round_off(problem: &dyn NonlinearSystem, system: &System) -> Vec<f64> {
             neighbours.map(|x| between(x, position(0))).fold(0.0, f64::max)
         }
     };
-    let scale = ROUND_OFF * f64::EPSILON * distance;
+    let scale = problem.round_off() * f64::EPSILON * distance;
     (0..pattern.order()).map(|dof| scale * system.matrix.diagonal_entry(dof).abs()).collect()
 }
 

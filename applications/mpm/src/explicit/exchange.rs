@@ -23,6 +23,7 @@ impl Explicit {
         archive.number("point speed", &mut self.limits.point)?;
         archive.number("shortening", &mut self.limits.shortening)?;
         archive.count("steps since the survey", &mut self.surveyed)?;
-        archive.flag("told step", &mut self.told_step)
+        archive.flag("told step", &mut self.told.step)?;
+        archive.flag("told idle load", &mut self.told.idle_load)
     }
 }

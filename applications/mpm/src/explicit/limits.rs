@@ -3,7 +3,7 @@
 use super::Explicit;
 use super::to_points::{Cause, Trouble};
 use crate::points::MaterialPoints;
-use crate::settings::Stepping;
+use crate::settings::{Frame, Scheme, Stepping};
 use bia_kernel::error::{Error, Failure};
 
 /// What bounds the time step.
@@ -54,6 +54,14 @@ impl Explicit {
             stable if time_step > stable => {
                 format!("a time step of at most {stable:.4e} s, or \"time_step\": \"auto\"")
             }
+            _ if self.settings.scheme == Scheme::UpdateStressLast
+                && self.frame() == Frame::Updated
+                && self.scene.space.is_mesh() =>
+            {
+                "\"stress_update\": \"musl\" or \"basis\": \"b_spline\": the step was within the stable one, and \
+                 cells that hold little material break up this way; else look at the loads"
+                    .to_string()
+            }
             _ => "a smaller time step; this step was within the stable one, so look at loads and at cells that hold \
                   little material"
                 .to_string(),
@@ -87,7 +95,7 @@ impl Explicit {
             let advice = "a smaller time step, or \"time_step\": \"auto\"";
             return Err(Failure::new(what, advice).detail(self.limits.describe()).into());
         }
-        if !std::mem::replace(&mut self.told_step, true) {
+        if !std::mem::replace(&mut self.told.step, true) {
             tracing::warn!("{what} ({})", self.limits.describe());
         }
         Ok(())

@@ -61,6 +61,13 @@ const SEARCH: usize = 0;
 const TO_GRID: usize = 1;
 const TO_POINTS: usize = 2;
 
+/// What the log has been told once.
+#[derive(Default, Clone, Copy)]
+struct Told {
+    step: bool,
+    idle_load: bool,
+}
+
 /// The solver with what it keeps from step to step.
 pub struct Explicit {
     scene: Scene,
@@ -80,7 +87,7 @@ pub struct Explicit {
     /// Nodal variables that someone reads.
     shown: Vec<&'static str>,
     stages: [(&'static str, Duration); 3],
-    told_step: bool,
+    told: Told,
     arch: pulp::Arch,
 }
 
@@ -109,7 +116,7 @@ impl Explicit {
             surveyed: 0,
             shown: Vec::new(),
             stages: ["search", "points to grid", "grid to points"].map(|name| (name, Duration::ZERO)),
-            told_step: false,
+            told: Told::default(),
             arch: pulp::Arch::new(),
         }
     }
@@ -263,6 +270,11 @@ impl Solver for Explicit {
             ..Columns::default()
         };
         self.scene.make_points(model, requirements, needed)?;
+        if let (true, Some(points)) =
+            (self.settings.transfer == Transfer::Apic, model.extension_mut::<MaterialPoints>())
+        {
+            points.blocks.iter_mut().for_each(|block| block.moments = true);
+        }
         let Some((grid, points)) = model.part(GRID).zip(points_of(model)) else { return Ok(()) };
         self.limits.sizes = stability::cell_sizes(grid);
         self.limits.wave = stability::wave_speed(points);
@@ -394,7 +406,7 @@ impl Solver for Explicit {
     }
 
     fn snapshot(&self, model: &Model, out: &mut JsonObject) -> std::io::Result<()> {
-        crate::record::snapshot(model, self.settings.transfer == Transfer::Apic, out)
+        crate::record::snapshot(model, out)
     }
 
     fn stages(&self) -> Vec<(&'static str, Duration)> {

@@ -71,6 +71,7 @@ impl Explicit {
         let axisymmetric = points.kinematics == Kinematics::Axisymmetric;
         let loads = Loads { grid, space: &self.scene.space, conditions: &points.conditions, axisymmetric };
         loads.add(&self.nodes.dofs, &[], &mut self.nodes.sums.force);
+        loads.tell_idle(&self.nodes.dofs, &mut self.told.idle_load);
         self.nodes.accelerate(impulse);
         if let Some(mut system) = self.system.take() {
             let found = self.consistent_mass(points).accelerations(&mut system, &self.nodes.sums.force);

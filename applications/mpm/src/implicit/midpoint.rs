@@ -23,8 +23,8 @@ use bia_kernel::solving::CellBuffer;
 use nalgebra::{Matrix3, Matrix6, Vector6};
 
 /// δ: q is taken with s/(s² + δ⁴) for 1/s, s = ΔE : ΔE. Where |ΔE| is less than δ, the rounding of W
-/// would be divided by |ΔE|; without q the energy of such a step is wrong by |ΔE|³/24 moduli at most.
-const SAME: f64 = 2e-5;
+/// would be divided by |ΔE|, up to 1/δ; without q the energy of such a step is wrong by |ΔE|³/24 moduli at most.
+pub(super) const SAME: f64 = 2e-5;
 
 /// Voigt indices as pairs.
 const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2)];

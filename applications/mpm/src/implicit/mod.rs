@@ -56,6 +56,7 @@ struct Told {
     fall_back: bool,
     imposed: bool,
     idle_load: bool,
+    leap: bool,
 }
 
 /// The solver with what it keeps from step to step.
@@ -353,17 +354,8 @@ impl Solver for Implicit {
             let (Some(mut system), Some(mut linear)) = (this.system.take(), this.linear.take()) else {
                 return Ok(StepReport::default());
             };
-            if !this.told.idle_load {
-                let space = &this.scene.space;
-                let loads = Loads { grid, space, conditions: &points.conditions, axisymmetric: false };
-                if let Some(place) = loads.idle_place(&this.dofs) {
-                    this.told.idle_load = true;
-                    tracing::warn!(
-                        "a load acts on {place}, which no material point reaches: \
-                         that share of it has no effect, as in Kratos"
-                    );
-                }
-            }
+            let loads = Loads { grid, space: &this.scene.space, conditions: &points.conditions, axisymmetric: false };
+            loads.tell_idle(&this.dofs, &mut this.told.idle_load);
             let mut mixed = this.mixed.take();
             let result = match &mut mixed {
                 Some(mixed) => this.solve_mixed(mixed, (points, grid), time_step, &mut system, linear.as_mut()),
@@ -428,7 +420,10 @@ impl Solver for Implicit {
                 gamma: if starts { 1.0 } else { this.scene.settings.point_gamma },
                 least_function: this.faults().least_function(),
             };
-            update_points(points, &nodal)?;
+            let leap = update_points(points, &nodal)?;
+            if this.scene.settings.regime == Regime::Dynamic {
+                leap.tell(points, &mut this.told.leap);
+            }
             if !is_total {
                 relax_fluids(points);
             }
@@ -477,7 +472,7 @@ impl Solver for Implicit {
     }
 
     fn snapshot(&self, model: &Model, out: &mut JsonObject) -> std::io::Result<()> {
-        crate::record::snapshot(model, false, out)
+        crate::record::snapshot(model, out)
     }
 
     fn stages(&self) -> Vec<(&'static str, Duration)> {

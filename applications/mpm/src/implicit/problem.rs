@@ -2,6 +2,7 @@
 
 use super::element::{CellState, CellTask, Integrator, Rule};
 use super::kratos_faults::KratosFaults;
+use super::midpoint::SAME;
 use super::transfer::NodalSums;
 use crate::active::ActiveCells;
 use crate::grid::nodal_vectors;
@@ -186,6 +187,14 @@ impl NonlinearSystem for Problem<'_> {
 
     fn unknowns(&self) -> &[f64] {
         &self.increments
+    }
+
+    fn round_off(&self) -> f64 {
+        match self.rule {
+            Rule::EndPoint => 64.0,
+            // That of the energy over the least strain that it is divided by.
+            Rule::MidPoint => 1.0 / SAME,
+        }
     }
 
     fn describe_dof(&self, dof: usize) -> (String, [f64; 3]) {

@@ -154,15 +154,47 @@ struct Update {
     /// Velocity of the grid at the end of the step, where PIC has a share.
     velocity: [f64; 3],
     volume_ratio: f64,
+    /// Volume at the end of the step over that at its start.
+    stretch: f64,
+}
+
+/// The largest change of a point's volume in a step.
+pub struct Leap {
+    /// The larger of the two volumes over the smaller one.
+    factor: f64,
+    /// Block and point.
+    place: (usize, usize),
+}
+
+/// A volume that changes by more than this factor in a step of dynamics has not been followed.
+const FARTHEST: f64 = 2.0;
+
+impl Leap {
+    /// Warns, once, where a step is too large for what happens in it. Newton's method may converge all the
+    /// same, and energy come from nowhere.
+    pub fn tell(&self, points: &MaterialPoints, told: &mut bool) {
+        if *told || self.factor <= FARTHEST {
+            return;
+        }
+        *told = true;
+        let block = &points.blocks[self.place.0];
+        let (id, x) = (block.ids[self.place.1], block.coordinates(self.place.1));
+        tracing::warn!(
+            "the volume of material point {id} at {x:?} changes {:.2} fold in one step: the step is too large for \
+             what happens there, and results may be wrong where Newton's method converges; take a smaller one",
+            self.factor
+        );
+    }
 }
 
 /// Moves the points, updates their deformation, history and the columns that the scene uses.
 ///
 /// # Errors
 /// A law without an answer, or an inverted deformation.
-pub fn update_points(points: &mut MaterialPoints, nodal: &NodalResults) -> Result<(), Failure> {
+pub fn update_points(points: &mut MaterialPoints, nodal: &NodalResults) -> Result<Leap, Failure> {
     let kinematics = points.kinematics;
-    for block in &mut points.blocks {
+    let mut leap = Leap { factor: 1.0, place: (0, 0) };
+    for (index, block) in points.blocks.iter_mut().enumerate() {
         for first in (0..block.len()).step_by(SLAB) {
             let range = first..(first + SLAB).min(block.len());
             let moved = |point: usize| update(block, point, kinematics, nodal);
@@ -170,11 +202,15 @@ pub fn update_points(points: &mut MaterialPoints, nodal: &NodalResults) -> Resul
                 range.clone().into_par_iter().with_min_len(GRAIN).map(moved).collect::<Result<_, Failure>>()?;
             answer(block, &range, &updates, kinematics, nodal.shifts_stress)?;
             for (update, point) in updates.iter().zip(range) {
+                let factor = update.stretch.max(update.stretch.recip());
+                if factor > leap.factor {
+                    leap = Leap { factor, place: (index, point) };
+                }
                 store(block, point, update, nodal);
             }
         }
     }
-    Ok(())
+    Ok(leap)
 }
 
 fn update(block: &Block, point: usize, kinematics: Kinematics, nodal: &NodalResults) -> Result<Update, Failure> {
@@ -185,8 +221,15 @@ fn update(block: &Block, point: usize, kinematics: Kinematics, nodal: &NodalResu
     deformation.time_step = nodal.time_step;
     let none = [0.0; 3];
     let volume_ratio = gradient.determinant();
-    let rest =
-        Update { deformation, step: none, acceleration: none, velocity_change: none, velocity: none, volume_ratio };
+    let rest = Update {
+        deformation,
+        step: none,
+        acceleration: none,
+        velocity_change: none,
+        velocity: none,
+        volume_ratio,
+        stretch: 1.0,
+    };
     let cell = block.cell[point];
     if cell == NO_CELL {
         return Ok(rest);
@@ -213,7 +256,8 @@ fn update_in<B: PlacedBasis<D, N>, const D: usize, const N: usize>(
         let numbers = numbers::<N>(nodal.dofs, nodes);
         update.deformation.pressure = Some((0..N).map(|i| at.functions[i] * nodal.pressures[numbers[i]]).sum());
     }
-    update.volume_ratio = at.gradient.determinant();
+    let start = std::mem::replace(&mut update.volume_ratio, at.gradient.determinant());
+    update.stretch = update.volume_ratio / start;
     if !std::ptr::eq(nodal.increments, nodal.increments_of_volume) {
         let increments = nodal_vectors::<D, N>(nodal.dofs, nodes, nodal.increments_of_volume);
         let earlier = PointKinematics::<D, N>::new(basis, block, point, of_scene, &increments)?;

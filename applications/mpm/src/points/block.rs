@@ -61,6 +61,8 @@ pub struct Block {
     /// What the transfer of velocity keeps, if anything: first moments of the velocity about the point
     /// (APIC) or its gradient (TPIC), row by row; or the velocity before it is filtered (XPIC).
     pub transfer: Column,
+    /// Whether these are first moments, which count in the angular momentum.
+    pub moments: bool,
     /// Ids, each once. In what order the points stand is the solver's choice, which may sort them by
     /// cell ([`Block::reorder`]); whoever writes them out goes by [`Block::in_order_of_id`] or
     /// [`MaterialPoints::by_id`].
@@ -131,6 +133,22 @@ impl Block {
             (0..D).for_each(|a| sum[a] += own[a]);
         }
         sum
+    }
+
+    /// Angular momentum of a point about a place in kg m²/s: m x × v and, where the point keeps first moments
+    /// B = Σ N v ⊗ (x_i − x_p) of an affine velocity, m times their axial vector (Jiang et al. 2015).
+    pub fn angular_momentum(&self, point: usize, center: [f64; 3]) -> [f64; 3] {
+        let of = |row: &[f64], a: usize| row.get(a).copied().unwrap_or(0.0);
+        let (mass, x, v) = (self.mass.row(point)[0], self.coordinates(point), self.velocity.row(point));
+        let (dimension, kept) = (self.kinematics.dimension(), self.transfer.row(point));
+        let affine = |a: usize, b: usize| {
+            if self.moments && a.max(b) < dimension { of(kept, a * dimension + b) } else { 0.0 }
+        };
+        std::array::from_fn(|k| {
+            let (a, b) = ((k + 1) % 3, (k + 2) % 3);
+            let lever = (x[a] - center[a]) * of(v, b) - (x[b] - center[b]) * of(v, a);
+            mass * (lever + affine(b, a) - affine(a, b))
+        })
     }
 
     /// Mean stress of the nodes at a point in Pa, in mixed formulations.

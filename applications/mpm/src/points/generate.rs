@@ -217,6 +217,7 @@ fn new_block(plan: &Plan, body: usize, id: u32, element: u32) -> Result<Block, I
             material: id,
             kinematics,
             law_name: name,
+            moments: false,
             has_energy: !plan.kratos_exact && law.energy(&undeformed).is_some(),
             density: density(properties),
             extent: across.and_then(|name| properties.number(name)).unwrap_or(1.0),

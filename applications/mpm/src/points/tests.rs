@@ -34,6 +34,7 @@ fn block(body: usize, ids: Vec<u32>) -> Block {
         law_name: "law".into(),
         law: Box::new(NeoHookean::from_lame(LameParameters { lambda: 2.0, mu: 1.0 })),
         has_energy: true,
+        moments: false,
         density: 3.0,
         extent: 1.0,
         gravity: [0.1, -0.2, -9.81],
@@ -94,7 +95,7 @@ fn outputs(points: MaterialPoints) -> (Vec<u8>, Vec<u8>, [f64; 3], Vec<f64>) {
     model.extend(points);
     let mut record = Vec::new();
     let mut object = JsonObject::open(&mut record).unwrap();
-    crate::record::snapshot(&model, false, &mut object).unwrap();
+    crate::record::snapshot(&model, &mut object).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let files = crate::inventory::save_state(&model, folder.path()).unwrap();
     let state = std::fs::read(&files[0]).unwrap();

@@ -15,12 +15,12 @@ use bia_constitutive::{Kinematics, MaterialSource};
 use bia_kernel::diagnostic::InputErrors;
 use bia_kernel::linalg::Method;
 use bia_kernel::parameters::{Parameters, Settings};
+use bia_kernel::processes::RunOptions;
 use bia_kernel::solving::linear::{self, Nature};
 use bia_kernel::solving::{Criterion, MeshSource, Newmark, Newton};
 use checks::{check_explicit, check_implicit, check_scheme};
 use discretisation::check_frame;
 use mixed::check_mixed;
-use std::path::Path;
 
 /// What kind of equilibrium is sought.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -126,11 +126,12 @@ pub struct SolverSettings {
 }
 
 impl SolverSettings {
-    /// Reads and checks; `folder` is that of the project.
+    /// Reads and checks.
     ///
     /// # Errors
     /// All faults together.
-    pub fn read(parameters: &Parameters, folder: &Path) -> Result<Self, InputErrors> {
+    pub fn read(parameters: &Parameters, options: &RunOptions) -> Result<Self, InputErrors> {
+        let folder = &options.folder;
         let s = parameters.read(KEYS)?;
         let mut errors = InputErrors::default();
         let dimension = s.integer("domain_size") as usize;
@@ -175,7 +176,7 @@ impl SolverSettings {
             conserves_energy: conserves_energy(&s),
             flip_fraction: if let Transfer::Flip(fraction) = Transfer::of(&s) { fraction } else { 1.0 },
             mixed: MixedSettings::of(&s),
-            newton: newton(&s),
+            newton: newton(&s, options.kratos_exact),
             linear: s.get("linear_solver_settings").cloned(),
             stepping,
             reactions: s.flag("compute_reactions"),
@@ -300,14 +301,11 @@ fn explicit(s: &Settings) -> ExplicitSettings {
 
 /// Newton's method; energy is kept as well as the equations are solved, so that a scheme that conserves
 /// it has tight tolerances unless others are given.
-fn newton(s: &Settings) -> Newton {
-    let mut newton = Newton::read(s);
+fn newton(s: &Settings, kratos_exact: bool) -> Newton {
+    let mut newton = Newton::read(s, kratos_exact);
     if let (true, Some(Criterion::Residual(tolerances))) = (conserves_energy(s), &mut newton.criterion) {
         if !s.given("residual_relative_tolerance") {
             tolerances.relative = 1e-11;
-        }
-        if !s.given("residual_absolute_tolerance") {
-            tolerances.absolute = 0.0;
         }
     }
     newton

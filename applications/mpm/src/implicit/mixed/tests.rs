@@ -45,6 +45,7 @@ fn block<const D: usize>(law: Box<dyn Law>) -> Block {
         law_name: "law".into(),
         law,
         has_energy: false,
+        moments: false,
         density: 1.3,
         extent: 1.0,
         gravity: [0.4, -0.7, 0.2],

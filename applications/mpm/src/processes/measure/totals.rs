@@ -129,14 +129,11 @@ impl Sums {
         let (mass, x) = (block.mass.row(point)[0], block.coordinates(point));
         self.mass += mass;
         self.volume += block.volume.row(point).first().copied().unwrap_or(0.0);
-        let velocity = block.velocity.row(point);
-        let v: [f64; 3] = std::array::from_fn(|a| velocity.get(a).copied().unwrap_or(0.0));
-        let r: [f64; 3] = std::array::from_fn(|a| x[a] - center[a]);
+        let (velocity, angular) = (block.velocity.row(point), block.angular_momentum(point, center));
         for a in 0..3 {
-            let (b, c) = ((a + 1) % 3, (a + 2) % 3);
             self.moment[a] += mass * x[a];
-            self.momentum[a] += mass * v[a];
-            self.angular[a] += mass * (r[b] * v[c] - r[c] * v[b]);
+            self.momentum[a] += mass * velocity.get(a).copied().unwrap_or(0.0);
+            self.angular[a] += angular[a];
         }
     }
 }
