@@ -68,6 +68,67 @@ fn every_cell_has_its_result_and_reason() {
     assert_eq!(table.lines().count(), 1 + 7);
 }
 
+/// What another program did, for the survey above.
+fn beside() -> Value {
+    json!({
+        "program": "Other", "version": "1.2", "date": "today", "text": "by hand",
+        "methods": {"FEM": "elements", "MPM": "points"},
+        "scenes": {
+            "S1": {"MPM": {"end": "done", "steps": 7, "cpu_s": 0.25, "found": {"error": -0.25}},
+                   "FEM": {"end": "done", "found": {"error": 1e-10}}},
+            "S2": {"MPM": {"end": "failed", "reason": "in its own words"}, "FEM": {"end": "input", "reason": "no such thing"}},
+            "S3": {"MPM": {"end": "done"}},
+        },
+    })
+}
+
+/// Results of another program are judged by the criteria of the survey's own runs, in columns of their own.
+#[test]
+fn other_programs_stand_beside() {
+    let folder = TempDir::new().unwrap();
+    let mut survey = survey();
+    survey["beside"] = json!(["other.json"]);
+    write(folder.path(), &survey);
+    std::fs::write(folder.path().join("other.json"), beside().to_string()).unwrap();
+    let ended = bia(folder.path(), &["survey", "survey.json", "--quiet"]);
+    assert!(ended.status.success(), "{}", text(&ended.stderr));
+    let results = read(&folder.path().join("survey_results/results.json"));
+    let cells = results["cells"].as_array().unwrap();
+    assert_eq!(cells.len(), 7 + 5);
+    for (scene, method, result, reason) in [
+        ("S1", "Other 1.2: points", "degraded", "error 0.250"),
+        ("S1", "Other 1.2: elements", "pass", "error"),
+        ("S2", "Other 1.2: points", "pass", "stops as it should: in its own words"),
+        ("S2", "Other 1.2: elements", "refused", "no such thing"),
+        ("S3", "Other 1.2: points", "unmeasured", "was not measured"),
+    ] {
+        let cell = cells.iter().find(|cell| cell["scene"] == scene && cell["method"] == method).unwrap();
+        assert_eq!(cell["result"], result, "{cell:#}");
+        assert!(cell["reason"].as_str().unwrap().contains(reason), "{cell:#}");
+    }
+    let page = std::fs::read_to_string(folder.path().join("survey_results/report.html")).unwrap();
+    let parts = ["3 scenes, 7 cells", "Other 1.2 on 5 of these cells", "Other 1.2, measured today: by hand", "0.250 s"];
+    for part in parts {
+        assert!(page.contains(part), "{part:?} is not in the page");
+    }
+    for (pointer, value, part) in [
+        ("/scenes/S1/MPM/found", json!({"eror": 1}), "did you mean \"error\"?"),
+        ("/scenes/S1/MPM/found", json!({"error": "1"}), "must be a number, or null"),
+        ("/scenes", json!({"S4": {}}), "is no scene of this survey"),
+        ("/scenes/S1", json!({"MPN": {"end": "done"}}), "did you mean \"MPM\"?"),
+        ("/scenes/S1", json!({"DGMPM": {"end": "done"}}), "is none of the methods above"),
+        ("/scenes/S2/MPM/end", json!("fail"), "did you mean \"failed\"?"),
+    ] {
+        let mut wrong = beside();
+        *wrong.pointer_mut(pointer).unwrap() = value;
+        std::fs::write(folder.path().join("other.json"), wrong.to_string()).unwrap();
+        let ended = bia(folder.path(), &["survey", "survey.json", "--dry-run"]);
+        assert_eq!(ended.status.code(), Some(2));
+        let told = text(&ended.stderr);
+        assert!(told.contains(part) && told.contains("other.json"), "{part:?} is not in\n{told}");
+    }
+}
+
 #[test]
 fn wrong_surveys_are_told_as_wrong_projects_are() {
     let folder = TempDir::new().unwrap();

@@ -91,7 +91,12 @@ impl Quantity {
         if let Some(over) = &self.over {
             value /= over.value(outcome)?;
         }
-        let value = if self.absolute { value.abs() } else { value };
+        let value = self.sized(value);
         value.is_finite().then_some(value)
+    }
+
+    /// What of a number counts: its absolute value, or itself.
+    pub fn sized(&self, value: f64) -> f64 {
+        if self.absolute { value.abs() } else { value }
     }
 }

@@ -13,6 +13,7 @@ pub const SURVEY: &[Key] = &[
     Key::new("time_limit", Kind::Number(Range::POSITIVE), "60.0", "wall time after which a run is ended [s]"),
     Key::new("threads", Kind::Integer { min: 1 }, "1", "threads of each run"),
     Key::required("methods", Kind::List, "columns of the matrix"),
+    Key::new("beside", Kind::List, "[]", "files with results of other programs on these scenes, as further columns"),
     Key::required("scenes", Kind::List, "rows of the matrix"),
 ];
 
@@ -57,3 +58,22 @@ pub const CRITERION: &[Key] = &Key::join::<4, 6, 10>(
         Key::new("text", Kind::Text, "\"\"", "what the quantity is, with its unit"),
     ],
 );
+
+/// Keys of a file with results of another program, which a survey shows beside its own.
+pub const BESIDE: &[Key] = &[
+    Key::required("program", Kind::Text, "its name"),
+    Key::required("version", Kind::Text, "its version"),
+    Key::required("date", Kind::Text, "when it was measured"),
+    Key::new("text", Kind::Text, "\"\"", "how it was measured"),
+    Key::required("methods", Kind::Any, "its columns: headings, by the label of the method whose criteria judge them"),
+    Key::required("scenes", Kind::Any, "results, by the id of the scene and then by the label of the method"),
+];
+
+/// Keys of a result of another program.
+pub const RESULT: &[Key] = &[
+    Key::required("end", Kind::Choice(&["done", "failed", "input", "timed_out", "cannot"]), "how it ended"),
+    Key::new("reason", Kind::Text, "\"\"", "why, where it did not end well"),
+    Key::optional("steps", Kind::Number(Range::NOT_NEGATIVE), "time steps"),
+    Key::optional("cpu_s", Kind::Number(Range::NOT_NEGATIVE), "CPU time [s]"),
+    Key::optional("found", Kind::Any, "(quantity - minus)/over by the text of the criterion; null if not finite"),
+];

@@ -1,5 +1,6 @@
 //! `bia survey`: scenes and methods, and which of them stay stable.
 
+mod beside;
 mod criterion;
 mod keys;
 mod plan;

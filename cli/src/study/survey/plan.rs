@@ -1,5 +1,6 @@
 //! Reads a survey: scenes, methods, and what each run must keep.
 
+use super::beside::{Measured, Program};
 use super::criterion::Criterion;
 use super::keys::{METHOD, RUN, SCENE, SURVEY};
 use crate::study::case::{Case, Changes};
@@ -18,10 +19,21 @@ pub struct Survey {
     pub advice: String,
     /// Runs of each cell.
     pub repetitions: usize,
-    /// Names of the methods, and a line about each.
-    pub methods: Vec<(String, String)>,
+    /// The methods, and behind them what stands beside: columns of the matrix.
+    pub methods: Vec<Method>,
+    /// Other programs.
+    pub programs: Vec<Program>,
     /// The scenes.
     pub scenes: Vec<Scene>,
+}
+
+/// A column of the matrix.
+#[derive(Debug, Clone)]
+pub struct Method {
+    /// Its name.
+    pub label: String,
+    /// A line about it.
+    pub text: String,
 }
 
 /// A scene.
@@ -33,7 +45,7 @@ pub struct Scene {
     pub title: String,
     /// What it is.
     pub text: String,
-    /// A run for each method, in their order; none where the survey says nothing.
+    /// A run for each column, in their order; none where the survey says nothing.
     pub runs: Vec<Option<Run>>,
 }
 
@@ -44,6 +56,8 @@ pub enum Run {
     Cannot(String),
     /// It is run.
     Wanted(Box<Wanted>),
+    /// Another program was run.
+    Measured(Box<Measured>),
 }
 
 /// A run with what it must keep.
@@ -62,7 +76,7 @@ pub struct Wanted {
 /// What all scenes share.
 struct Common {
     folder: PathBuf,
-    methods: Vec<(String, String)>,
+    methods: Vec<Method>,
     threads: usize,
     time_limit: f64,
 }
@@ -76,14 +90,7 @@ impl Survey {
         let root = Parameters::root(Document::read(path)?);
         let settings = root.read(SURVEY)?;
         let mut errors = InputErrors::default();
-        let mut methods: Vec<(String, String)> = Vec::new();
-        for place in settings.get("methods").map_or(Vec::new(), Parameters::entries) {
-            let Some(method) = errors.absorb(place.read(METHOD)) else { continue };
-            if methods.iter().any(|(label, _)| label == method.text("label")) {
-                errors.push(place.error(format!("another method is called {:?}, too", method.text("label"))));
-            }
-            methods.push((method.text("label").into(), method.text("text").into()));
-        }
+        let methods = errors.absorb(methods(&settings)).unwrap_or_default();
         let folder = path.parent().map_or_else(PathBuf::new, Path::to_path_buf);
         let (threads, time_limit) = (settings.integer("threads") as usize, settings.number("time_limit"));
         let common = Common { folder, methods, threads, time_limit };
@@ -98,13 +105,23 @@ impl Survey {
         if scenes.is_empty() && errors.0.is_empty() {
             errors.push(settings.error("scenes", "names no scene"));
         }
+        let mut methods = common.methods;
+        let mut programs = Vec::new();
+        for place in settings.get("beside").map_or(Vec::new(), Parameters::entries) {
+            let Some(file) = place.value().as_str() else {
+                errors.push(place.error("must be the name of a file"));
+                continue;
+            };
+            programs.extend(errors.absorb(Program::read(&common.folder.join(file), &mut methods, &mut scenes)));
+        }
         let text = |key: &str| settings.text(key).to_string();
         errors.or(Self {
             title: text("title"),
             text: text("text"),
             advice: text("advice"),
             repetitions: settings.integer("repetitions") as usize,
-            methods: common.methods,
+            methods,
+            programs,
             scenes,
         })
     }
@@ -113,7 +130,7 @@ impl Survey {
     pub fn wanted(&self) -> impl Iterator<Item = &Wanted> {
         self.scenes.iter().flat_map(|scene| scene.runs.iter().flatten()).filter_map(|run| match run {
             Run::Wanted(wanted) => Some(wanted.as_ref()),
-            Run::Cannot(_) => None,
+            Run::Cannot(_) | Run::Measured(_) => None,
         })
     }
 }
@@ -128,8 +145,8 @@ impl Scene {
         let limit = if settings.given("time_limit") { settings.number("time_limit") } else { common.time_limit };
         let mut runs: Vec<Option<Run>> = common.methods.iter().map(|_| None).collect();
         for (method, place) in settings.get("runs").map_or(Ok(Vec::new()), Parameters::object)? {
-            let Some(column) = common.methods.iter().position(|(label, _)| *label == method) else {
-                let known = common.methods.iter().map(|(label, _)| label.as_str());
+            let Some(column) = common.methods.iter().position(|column| column.label == method) else {
+                let known = common.methods.iter().map(|column| column.label.as_str());
                 errors.push(place.error(format!("{method:?} is no method of this survey")).allowed(&method, known));
                 continue;
             };
@@ -172,6 +189,20 @@ impl Run {
             None => Err(errors),
         }
     }
+}
+
+fn methods(settings: &Settings) -> Result<Vec<Method>, InputErrors> {
+    let mut errors = InputErrors::default();
+    let mut methods: Vec<Method> = Vec::new();
+    for place in settings.get("methods").map_or(Vec::new(), Parameters::entries) {
+        let Some(method) = errors.absorb(place.read(METHOD)) else { continue };
+        let (label, text) = (method.text("label").to_string(), method.text("text").to_string());
+        if methods.iter().any(|other| other.label == label) {
+            errors.push(place.error(format!("another method is called {label:?}, too")));
+        }
+        methods.push(Method { label, text });
+    }
+    errors.or(methods)
 }
 
 fn criteria(settings: &Settings) -> Result<Vec<Criterion>, InputErrors> {
