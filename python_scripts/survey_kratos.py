@@ -41,14 +41,16 @@ class Cannot(Exception):
 
 
 def apply(project, changes):
-    """The project with values replaced or added at JSON pointers."""
-    project = copy.deepcopy(project)
-    for pointer, value in changes.items():
+    """The project with values replaced or added at JSON pointers, given as pairs."""
+    for pointer, value in changes:
         *parents, last = pointer.split("/")[1:]
         place = project
         for key in parents:
             place = place[int(key) if isinstance(place, list) else key]
-        place[int(last) if isinstance(place, list) else last] = value
+        if last == "-":
+            place.append(value)
+        else:
+            place[int(last) if isinstance(place, list) else last] = value
     return project
 
 
@@ -510,7 +512,8 @@ def main():
     parser.add_argument("--bia", default=str(own / "target" / "release" / "bia"), help="for automatic time steps")
     parser.add_argument("--limit", type=float, default=60.0, help="CPU seconds a run may take")
     arguments = parser.parse_args()
-    survey = json.loads(arguments.survey.read_text())
+    command = [arguments.bia, "survey", str(arguments.survey), "--dry-run", "--json"]
+    plan = json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
     out = arguments.survey.with_name("KRATOS.json")
     results = json.loads(out.read_text()) if out.exists() else {}
     results.update(program="Kratos", version=results.get("version", ""), date=datetime.date.today().isoformat(),
@@ -518,22 +521,19 @@ def main():
                         "hundred times. Its mixed element has pressure projections and triangles only.",
                    methods=METHODS)
     cells = results.setdefault("scenes", {})
-    for scene in survey["scenes"]:
-        if arguments.scenes and not any(scene["id"].startswith(name) for name in arguments.scenes):
+    for run in plan:
+        scene, method = run["scene"], run["method"]
+        if method not in METHODS or arguments.scenes and not scene.startswith(tuple(arguments.scenes)):
             continue
-        for method in METHODS:
-            run = scene["runs"].get(method, {"cannot": ""})
-            if "cannot" in run:
-                continue
-            project = apply(json.loads((arguments.survey.parent / run["project"]).read_text()), run.get("set", {}))
-            try:
-                found = cell(project, run.get("criteria", scene.get("criteria", [])), arguments)
-            except Cannot as reason:
-                found = {"end": "cannot", "reason": f"Kratos {reason}"}
-            if "version" in found:
-                results["version"] = found.pop("version")
-            cells.setdefault(scene["id"], {})[method] = found
-            print(f"{scene['id']:34}{method:16}{found['end']:14}{found.get('reason', '')}", flush=True)
+        project = apply(json.loads(Path(run["project"]).read_text()), run["set"])
+        try:
+            found = cell(project, run["criteria"], arguments)
+        except Cannot as reason:
+            found = {"end": "cannot", "reason": f"Kratos {reason}"}
+        if "version" in found:
+            results["version"] = found.pop("version")
+        cells.setdefault(scene, {})[method] = found
+        print(f"{scene:34}{method:16}{found['end']:14}{found.get('reason', '')}", flush=True)
         out.write_text(json.dumps(results, indent=1, ensure_ascii=False) + "\n")
     return 0
 

@@ -68,6 +68,68 @@ fn every_cell_has_its_result_and_reason() {
     assert_eq!(table.lines().count(), 1 + 7);
 }
 
+/// What is the same for several runs stands in the survey once: with their method, their scene, or a run or
+/// scene that they are like. The plan shows what each run comes to.
+#[test]
+fn what_runs_share_stands_once() {
+    let folder = TempDir::new().unwrap();
+    let set_end = |end: Value| json!({"/problem_data/end_time": end});
+    let steps = |min: f64| json!([{"quantity": "/steps", "min": min}]);
+    let survey = json!({
+        "title": "Shared",
+        "methods": [
+            {"label": "A", "set": {"/problem_data/problem_name": "a", "/problem_data/start_time": 0.0}},
+            {"label": "B", "criteria": steps(3.0)},
+            {"label": "C"},
+        ],
+        "scenes": [
+            {"id": "S1", "title": "one", "project": "mpm.json", "set": set_end(json!(1.0)), "values": {"last": 7.0}, "criteria": steps(1.0), "runs": {
+                "A": {"must": true, "unset": ["/problem_data/start_time"], "more_criteria": steps(2.0)},
+                "B": {"like": "A", "set": {"/problem_data/problem_name": "b"}, "must": false},
+                "C": {"project": "fem.json", "set": set_end(json!("${last}"))},
+            }},
+            {"id": "S2", "title": "two", "like": "S1", "set": set_end(json!(2.0)), "runs": {
+                "B": {"unset": ["/problem_data/problem_name"], "criteria": steps(9.0)},
+                "C": {"cannot": "for no reason"},
+            }},
+        ],
+    });
+    write(folder.path(), &survey);
+    let ended = bia(folder.path(), &["survey", "survey.json", "--dry-run", "--json"]);
+    assert!(ended.status.success(), "{}", text(&ended.stderr));
+    let plan: Value = serde_json::from_slice(&ended.stdout).unwrap();
+    let (name, end) = ("/problem_data/problem_name", "/problem_data/end_time");
+    for (index, (scene, method, project, set, least, must)) in [
+        ("S1", "A", "mpm.json", json!([[name, "a"], [end, 1.0]]), vec![1.0, 2.0], true),
+        ("S1", "B", "mpm.json", json!([[end, 1.0], [name, "b"]]), vec![1.0, 2.0, 3.0], false),
+        ("S1", "C", "fem.json", json!([[end, 7.0]]), vec![1.0], false),
+        ("S2", "A", "mpm.json", json!([[name, "a"], [end, 2.0]]), vec![1.0, 2.0], true),
+        ("S2", "B", "mpm.json", json!([[end, 2.0]]), vec![9.0], false),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let run = &plan[index];
+        assert_eq!((run["scene"].as_str(), run["method"].as_str()), (Some(scene), Some(method)), "{run:#}");
+        assert_eq!((&run["set"], &run["project"], &run["must"]), (&set, &json!(project), &json!(must)), "{run:#}");
+        let found: Vec<f64> = run["criteria"].as_array().unwrap().iter().map(|c| c["min"].as_f64().unwrap()).collect();
+        assert_eq!(found, least, "{run:#}");
+    }
+    assert_eq!(plan.as_array().unwrap().len(), 5, "nothing else is run");
+    for (pointer, value, part) in [
+        ("/scenes/1/like", json!("S3"), "\"S3\" is no scene before this one"),
+        ("/scenes/0/runs/B/like", json!("C"), "\"C\" is no method with a run before this one"),
+        ("/scenes/0/runs/A/unset", json!([end, "/none"]), "is set neither by the method nor by the scene"),
+    ] {
+        let mut wrong = survey.clone();
+        *wrong.pointer_mut(pointer).unwrap() = value;
+        write(folder.path(), &wrong);
+        let ended = bia(folder.path(), &["survey", "survey.json", "--dry-run"]);
+        assert_eq!(ended.status.code(), Some(2));
+        assert!(text(&ended.stderr).contains(part), "{part:?} is not in\n{}", text(&ended.stderr));
+    }
+}
+
 /// What another program did, for the survey above.
 fn beside() -> Value {
     json!({

@@ -4,6 +4,7 @@
 use super::criterion::{Criterion, Finding};
 use super::keys::{BESIDE, RESULT};
 use super::plan::{Method, Run, Scene};
+use crate::study::case::in_order;
 use crate::study::outcome::Outcome;
 use bia_kernel::diagnostic::InputErrors;
 use bia_kernel::parameters::{Document, Parameters, Settings};
@@ -50,11 +51,11 @@ impl Program {
         let mut errors = InputErrors::default();
         let name = format!("{} {}", settings.text("program"), settings.text("version"));
         let mut columns = Vec::new();
-        for (method, place) in settings.get("methods").map_or(Ok(Vec::new()), Parameters::object)? {
+        for (method, place) in settings.get("methods").map_or(Ok(Vec::new()), in_order)? {
             let Some(own) = errors.absorb(column_of(&method, &place, methods)) else { continue };
             columns.push((methods.len(), own));
-            let heading = place.value().as_str().unwrap_or(&method);
-            methods.push(Method { label: format!("{name}: {heading}"), text: settings.text("text").into() });
+            let label = format!("{name}: {}", place.value().as_str().unwrap_or(&method));
+            methods.push(Method { label, ..Method::default() });
         }
         for scene in scenes.iter_mut() {
             scene.runs.resize_with(methods.len(), || None);

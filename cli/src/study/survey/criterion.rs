@@ -6,6 +6,7 @@ use crate::study::page::shown;
 use crate::study::quantity::Quantity;
 use bia_kernel::diagnostic::InputErrors;
 use bia_kernel::parameters::{Parameters, Settings};
+use serde_json::{Value, json};
 
 /// How a cell of the matrix came out, the best first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -130,6 +131,21 @@ impl Criterion {
         }
     }
 
+    /// As it is read.
+    pub fn json(&self) -> Value {
+        match self {
+            Self::Bound(bound) => {
+                let mut members = bound.quantity.json();
+                for (key, bound) in [("max", bound.max), ("min", bound.min), ("degraded", bound.degraded)] {
+                    members.extend(bound.map(|bound| (key.to_string(), json!(bound))));
+                }
+                members.insert("text".into(), json!(bound.text));
+                members.into()
+            }
+            Self::End { end, reason } => json!({"expect": end, "reason_contains": reason}),
+        }
+    }
+
     /// Looks at what a run left.
     pub fn look(&self, outcome: &Outcome) -> Finding {
         match self {
@@ -203,7 +219,6 @@ impl Bound {
 mod tests {
     use super::*;
     use bia_kernel::parameters::Document;
-    use serde_json::{Value, json};
     use std::path::Path;
 
     fn read(text: &str) -> Result<Criterion, InputErrors> {

@@ -21,6 +21,9 @@ pub const SURVEY: &[Key] = &[
 pub const METHOD: &[Key] = &[
     Key::required("label", Kind::Text, "name in the report"),
     Key::new("text", Kind::Text, "\"\"", "a line about it"),
+    Key::optional("set", Kind::Any, "values by JSON pointer that it sets in the projects of scenes"),
+    Key::optional("values", Kind::Any, "numbers and texts by name, for ${name} in what is set"),
+    Key::new("criteria", Kind::List, "[]", "what its runs must keep besides the criteria of their scenes"),
 ];
 
 /// Keys of a scene.
@@ -28,20 +31,29 @@ pub const SCENE: &[Key] = &[
     Key::required("id", Kind::Text, "short name"),
     Key::required("title", Kind::Text, "name in the report"),
     Key::new("text", Kind::Text, "\"\"", "its set-up, and why it is hard"),
-    Key::optional("set", Kind::Any, "values of all its projects by JSON pointer"),
+    Key::optional("like", Kind::Text, "id of a scene before it, of which it takes what it does not say itself"),
+    Key::optional("project", Kind::Text, "project of all runs that name no own"),
+    Key::optional("set", Kind::Any, "values of this project by JSON pointer, for all these runs"),
     Key::optional("values", Kind::Any, "numbers and texts by name, for ${name} in what is set"),
     Key::new("criteria", Kind::List, "[]", "what a run must keep, unless it has its own"),
     Key::new("time_limit", Kind::Number(Range::POSITIVE), "60.0", "instead of the survey's, if given [s]"),
-    Key::required("runs", Kind::Any, "runs by the label of their method"),
+    Key::optional("runs", Kind::Any, "runs by the label of their method"),
 ];
 
 /// Keys of a run.
 pub const RUN: &[Key] = &[
     Key::optional("cannot", Kind::Text, "why the method cannot run the scene; then nothing else is given"),
-    Key::optional("project", Kind::Text, "project"),
+    Key::optional(
+        "like",
+        Kind::Text,
+        "method before it in the scene, of whose run it takes what it does not say itself",
+    ),
+    Key::optional("project", Kind::Text, "its own project; then what method and scene set does not count"),
+    Key::new("unset", Kind::List, "[]", "pointers that method, scene or the run it is like set, and it does not"),
     Key::optional("set", Kind::Any, "values of the project by JSON pointer; /- adds an entry to a list"),
     Key::optional("values", Kind::Any, "numbers and texts by name, for ${name} in what is set"),
-    Key::optional("criteria", Kind::List, "its own criteria"),
+    Key::optional("criteria", Kind::List, "its own criteria, instead of all others"),
+    Key::optional("more_criteria", Kind::List, "criteria besides those of scene and method"),
     Key::new("must", Kind::Bool, "false", "theory says that it passes"),
     Key::new("text", Kind::Text, "\"\"", "explanation, above all where it does not pass"),
 ];

@@ -2,7 +2,8 @@
 
 use super::beside::{Measured, Program};
 use super::criterion::Criterion;
-use super::keys::{METHOD, RUN, SCENE, SURVEY};
+use super::draft::{Criteria, RunDraft, SceneDraft, read_criteria};
+use super::keys::{METHOD, SURVEY};
 use crate::study::case::{Case, Changes};
 use bia_kernel::diagnostic::InputErrors;
 use bia_kernel::parameters::{Document, Parameters, Settings};
@@ -28,12 +29,16 @@ pub struct Survey {
 }
 
 /// A column of the matrix.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Method {
     /// Its name.
     pub label: String,
     /// A line about it.
     pub text: String,
+    /// What it sets in the projects of scenes.
+    pub changes: Changes,
+    /// What its runs must keep besides the criteria of their scenes.
+    pub criteria: Vec<Criterion>,
 }
 
 /// A scene.
@@ -94,13 +99,16 @@ impl Survey {
         let folder = path.parent().map_or_else(PathBuf::new, Path::to_path_buf);
         let (threads, time_limit) = (settings.integer("threads") as usize, settings.number("time_limit"));
         let common = Common { folder, methods, threads, time_limit };
+        let mut drafts: Vec<SceneDraft> = Vec::new();
         let mut scenes: Vec<Scene> = Vec::new();
         for place in settings.get("scenes").map_or(Vec::new(), Parameters::entries) {
-            let Some(scene) = errors.absorb(Scene::read(&place, &common)) else { continue };
-            if scenes.iter().any(|other| other.id == scene.id) {
-                errors.push(place.error(format!("another scene is called {:?}, too", scene.id)));
+            let read = SceneDraft::read(&place, &common.methods, &drafts);
+            let Some(draft) = errors.absorb(read) else { continue };
+            if drafts.iter().any(|other| other.id == draft.id) {
+                errors.push(place.error(format!("another scene is called {:?}, too", draft.id)));
             }
-            scenes.push(scene);
+            scenes.extend(errors.absorb(Scene::of(&draft, &common)));
+            drafts.push(draft);
         }
         if scenes.is_empty() && errors.0.is_empty() {
             errors.push(settings.error("scenes", "names no scene"));
@@ -136,54 +144,45 @@ impl Survey {
 }
 
 impl Scene {
-    fn read(place: &Parameters, common: &Common) -> Result<Self, InputErrors> {
-        let settings = place.read(SCENE)?;
+    fn of(draft: &SceneDraft, common: &Common) -> Result<Self, InputErrors> {
         let mut errors = InputErrors::default();
-        let (id, title) = (settings.text("id").to_string(), settings.text("title").to_string());
-        let changes = errors.absorb(Changes::default().with(&settings)).unwrap_or_default();
-        let criteria = errors.absorb(criteria(&settings)).unwrap_or_default();
-        let limit = if settings.given("time_limit") { settings.number("time_limit") } else { common.time_limit };
-        let mut runs: Vec<Option<Run>> = common.methods.iter().map(|_| None).collect();
-        for (method, place) in settings.get("runs").map_or(Ok(Vec::new()), Parameters::object)? {
-            let Some(column) = common.methods.iter().position(|column| column.label == method) else {
-                let known = common.methods.iter().map(|column| column.label.as_str());
-                errors.push(place.error(format!("{method:?} is no method of this survey")).allowed(&method, known));
-                continue;
-            };
-            let name = format!("{id}, {method}");
-            runs[column] = errors.absorb(Run::read(&place, name, &changes, &criteria, limit, common));
-        }
-        errors.or(Self { id, title, text: settings.text("text").into(), runs })
+        let mut run = |(method, run): (&Method, &Option<RunDraft>)| {
+            run.as_ref().and_then(|run| errors.absorb(Run::of(run, draft, method, common)))
+        };
+        let runs = common.methods.iter().zip(&draft.runs).map(&mut run).collect();
+        let (id, title, text) = (draft.id.clone(), draft.title.clone(), draft.text.clone());
+        errors.or(Self { id, title, text, runs })
     }
 }
 
 impl Run {
-    fn read(
-        place: &Parameters,
-        name: String,
-        changes: &Changes,
-        shared: &[Criterion],
-        limit: f64,
-        common: &Common,
-    ) -> Result<Self, InputErrors> {
-        let settings = place.read(RUN)?;
-        match (settings.given("cannot"), settings.given("project")) {
-            (true, false) => return Ok(Self::Cannot(settings.text("cannot").into())),
-            (false, true) => {}
-            _ => return Err(place.error("needs either \"project\" or \"cannot\"").into()),
+    fn of(draft: &RunDraft, scene: &SceneDraft, method: &Method, common: &Common) -> Result<Self, InputErrors> {
+        if let Some(reason) = &draft.cannot {
+            return Ok(Self::Cannot(reason.clone()));
         }
+        let shared = method.changes.clone().then(&scene.changes);
+        let shared = if draft.project.is_some() { shared.without(|_| true) } else { shared };
+        let Some(project) = draft.project.as_ref().or(scene.project.as_ref()) else {
+            return Err(draft.place.error("needs either \"project\" or \"cannot\"").into());
+        };
         let mut errors = InputErrors::default();
-        let changes = errors.absorb(changes.with(&settings)).unwrap_or_default();
-        let project = common.folder.join(settings.text("project"));
-        let case = errors.absorb(Case::new(name, project, &changes, common.threads, limit));
-        let criteria = match settings.given("criteria") {
-            true => errors.absorb(criteria(&settings)).unwrap_or_default(),
-            false => shared.to_vec(),
+        for (pointer, place) in &draft.unset {
+            if let Some(place) = place.as_ref().filter(|_| !shared.sets(pointer)) {
+                errors.push(place.error("is set neither by the method nor by the scene"));
+            }
+        }
+        let is_unset = |pointer: &str| draft.unset.iter().any(|(unset, _)| unset == pointer);
+        let changes = shared.without(is_unset).then(&draft.changes);
+        let (name, limit) = (format!("{}, {}", scene.id, method.label), scene.time_limit.unwrap_or(common.time_limit));
+        let case = errors.absorb(Case::new(name, common.folder.join(project), &changes, common.threads, limit));
+        let criteria = match &draft.criteria {
+            Criteria::All(criteria) => criteria.clone(),
+            Criteria::More(more) => [&scene.criteria, more, &method.criteria].into_iter().flatten().cloned().collect(),
         };
         if criteria.is_empty() {
-            errors.push(place.error("has no criteria, and its scene none for all"));
+            errors.push(draft.place.error("has no criteria, and its scene none for all"));
         }
-        let (must, text) = (settings.flag("must"), settings.text("text").to_string());
+        let (must, text) = (draft.must, draft.text.clone());
         match case {
             Some(case) => errors.or(Self::Wanted(Box::new(Wanted { case, criteria, must, text }))),
             None => Err(errors),
@@ -197,17 +196,12 @@ fn methods(settings: &Settings) -> Result<Vec<Method>, InputErrors> {
     for place in settings.get("methods").map_or(Vec::new(), Parameters::entries) {
         let Some(method) = errors.absorb(place.read(METHOD)) else { continue };
         let (label, text) = (method.text("label").to_string(), method.text("text").to_string());
+        let changes = errors.absorb(Changes::default().with(&method)).unwrap_or_default();
+        let criteria = errors.absorb(read_criteria(&method, "criteria")).unwrap_or_default();
         if methods.iter().any(|other| other.label == label) {
             errors.push(place.error(format!("another method is called {label:?}, too")));
         }
-        methods.push(Method { label, text });
+        methods.push(Method { label, text, changes, criteria });
     }
     errors.or(methods)
-}
-
-fn criteria(settings: &Settings) -> Result<Vec<Criterion>, InputErrors> {
-    let mut errors = InputErrors::default();
-    let entries = settings.get("criteria").map_or(Vec::new(), Parameters::entries);
-    let list = entries.iter().filter_map(|entry| errors.absorb(Criterion::read(entry))).collect();
-    errors.or(list)
 }
