@@ -1,14 +1,16 @@
 """What applications cost the scenes that do not use them: builds the program with all applications and with
 each alone, runs the same scenes with both, and prints binary sizes and CPU times as Markdown.
 
-    measure_features.py [--repetitions 9] [--into docs/studies.md]
+    measure_features.py [APPLICATION ...] [--repetitions 9] [--into docs/studies.md]
 
-Builds go to `target/features/` and take some minutes. Runs of the two programs alternate, so that a
-machine that slows down slows both. Python's standard library only.
+Builds go to `target/features/` and take some minutes; the programs stay there as `bia_APPLICATIONS`, without
+symbols. Runs of the two programs alternate, so that a machine that slows down slows both. Python's standard
+library only.
 """
 
 import argparse
 import json
+import shutil
 import statistics
 import subprocess
 import tempfile
@@ -23,12 +25,15 @@ APPLICATIONS = {
 
 
 def build(features):
-    """The program with these applications."""
-    name = "_".join(features)
-    target = ROOT / "target/features" / name
-    command = ["cargo", "build", "--release", "--no-default-features", "--features", ",".join(features)]
-    subprocess.run([*command, "--target-dir", target], cwd=ROOT, check=True)
-    return target / "release/bia"
+    """The program with these applications. What they share is compiled once."""
+    target = ROOT / "target/features"
+    profile = ["--config", "profile.release.strip=true", "--config", "profile.release.debug=false"]
+    features_only = ["--no-default-features", "--features", ",".join(features)]
+    command = ["cargo", "build", "--release", "--bin", "bia", "--target-dir", target, *profile, *features_only]
+    subprocess.run(command, cwd=ROOT, check=True)
+    program = target / ("bia_" + "_".join(features))
+    shutil.copy2(target / "release/bia", program)
+    return program
 
 
 def cpu_time(program, project, folder):
@@ -41,6 +46,8 @@ def cpu_time(program, project, folder):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("applications", nargs="*", metavar="APPLICATION", choices=[[], *APPLICATIONS],
+                        help=f"measured alone: {', '.join(APPLICATIONS)}; all without any")
     parser.add_argument("--repetitions", type=int, default=9)
     parser.add_argument("--into", type=Path, help="text with a place between <!-- features --> and <!-- end -->")
     arguments = parser.parse_args()
@@ -48,8 +55,8 @@ def main():
     size = lambda program: f"{program.stat().st_size / 1e6:.1f}"
     lines = ["| applications | binary MB | scene | CPU s, all built in | CPU s, this one alone | ratio | spread |"]
     lines += ["|---|---|---|---|---|---|---|", f"| all | {size(whole)} | | | | | |"]
-    for application, scenes in APPLICATIONS.items():
-        alone = build([application])
+    for application in arguments.applications or APPLICATIONS:
+        scenes, alone = APPLICATIONS[application], build([application])
         for scene in scenes:
             path = ROOT / "examples" / scene
             project = path if path.suffix == ".json" else path / "ProjectParameters.json"
@@ -70,4 +77,5 @@ def main():
         arguments.into.write_text(f"{head}<!-- features -->\n\n{table}\n\n<!-- end -->{tail}")
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -60,7 +60,13 @@ fn every_cell_has_its_result_and_reason() {
         assert!(cell["reason"].as_str().unwrap().contains(reason), "{cell:#}");
     }
     let page = std::fs::read_to_string(folder.path().join("survey_results/report.html")).unwrap();
-    for part in ["3 scenes, 7 cells", "Of the 2 that must pass by theory, 2 do", "as fine as it is", "bytes a point"] {
+    for part in [
+        "3 scenes, 7 cells",
+        "Of the 2 that must pass by theory, 2 do",
+        "as fine as it is",
+        "bytes a point",
+        "the fullest of all: S",
+    ] {
         assert!(page.contains(part), "{part:?} is not in the page");
     }
     assert!(!page.contains("<script") && !page.contains("://"));

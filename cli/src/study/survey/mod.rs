@@ -6,6 +6,7 @@ mod draft;
 mod keys;
 mod plan;
 mod report;
+mod used;
 
 use super::machine::machine;
 use super::outcome::Outcome;

@@ -2,6 +2,7 @@
 
 use super::criterion::{Criterion, Finding, Verdict};
 use super::plan::{Method, Run, Scene, Survey};
+use super::used::{fullest, used};
 use crate::study::chart::escaped;
 use crate::study::machine::in_words;
 use crate::study::outcome::Outcome;
@@ -162,7 +163,7 @@ impl<'a> Report<'a> {
         )
     }
 
-    fn scene(&self, scene: &Scene) -> String {
+    fn scene(&self, scene: &'a Scene) -> String {
         let (id, title) = (escaped(&scene.id), escaped(&scene.title));
         let mut out = format!("<h3 id=\"{id}\">{id}: {title}</h3>\n{}", paragraphs(&scene.text, ""));
         let mut table =
@@ -205,54 +206,11 @@ impl<'a> Report<'a> {
     }
 
     /// What each run of a scene used, and did without, beside the fullest one.
-    fn left_out(&self, scene: &Scene) -> String {
-        let mut table =
-            Table::new(&["method", "columns", "left out", "unknowns", "stages", "bytes a point", "memory [MB]"])
-                .of_texts();
-        let mut any = false;
-        let mut row = |label: &str, outcome: &Outcome| {
-            let names = |pointer: &str, key: Option<&str>| -> String {
-                let list = outcome.summary().pointer(pointer).and_then(Value::as_array).cloned().unwrap_or_default();
-                let name = |entry: &Value| match key {
-                    Some(key) => entry[key].as_str().map(str::to_owned),
-                    None => entry.as_str().map(str::to_owned),
-                };
-                escaped(&list.iter().filter_map(name).collect::<Vec<_>>().join(", "))
-            };
-            let cells = [
-                names("/columns", Some("name")),
-                names("/left_out", None),
-                counted(outcome.number("/unknowns")),
-                names("/stages", None),
-                shown(outcome.number("/bytes_per_point")),
-                shown(outcome.number("/peak_memory_mb")),
-            ];
-            let cells: String = cells
-                .iter()
-                .enumerate()
-                .map(|(i, cell)| {
-                    format!("<td{}>{cell}</td>", if [0, 1, 3].contains(&i) { " class=\"text\"" } else { "" })
-                })
-                .collect();
-            table.raw(&format!("<tr><td>{}</td>{cells}</tr>", escaped(label)));
-        };
-        for (Method { label, .. }, run) in self.survey.methods.iter().zip(&scene.runs) {
-            let Some(run) = run else { continue };
-            let Some(outcome) = self.outcome(run).filter(|outcome| outcome.summary()["columns"].is_array()) else {
-                continue;
-            };
-            any = true;
-            row(label, outcome);
-        }
-        let weight = |outcome: &&Outcome| outcome.number("/bytes_per_point").unwrap_or(0.0);
-        let fullest = self.outcomes.values().max_by(|a, b| weight(a).total_cmp(&weight(b)));
-        if let (true, Some(fullest)) = (any, fullest) {
-            row("the fullest of all scenes", fullest);
-        }
-        if !any {
-            return String::new();
-        }
-        format!("<details><summary>What was used and what was left out</summary>\n{}</details>\n", table.html())
+    fn left_out(&self, scene: &'a Scene) -> String {
+        let labelled = self.survey.methods.iter().zip(&scene.runs);
+        let runs = labelled.filter_map(|(method, run)| Some((method.label.as_str(), self.outcome(run.as_ref()?)?)));
+        let all = self.survey.wanted().map(|wanted| wanted.case.name.as_str());
+        used(runs, fullest(all.filter_map(|name| Some((name, self.outcomes.get(name)?)))))
     }
 
     fn commands(&self) -> String {
