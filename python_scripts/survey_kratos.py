@@ -111,7 +111,7 @@ def grid_mesh(settings, triangles):
     """The background grid, and how many nodes and cells it has."""
     low, high, divisions = settings["min"], settings["max"], settings["divisions"]
     if len(divisions) != 2:
-        raise Cannot("its material point method has no lines")
+        raise Cannot("Kratos has no material points on lines")
     nodes, cells = lattice(low, high, divisions)
     parts, conditions = [("Parts_grid", range(len(nodes)), range(len(cells)), [])], []
     for part in settings.get("parts", []):
@@ -169,7 +169,7 @@ def for_kratos(project, folder):
     for key in FOREIGN:
         value = solver.pop(key, None)
         if key in WITHOUT and value not in (None, "flip", 1.0):
-            raise Cannot(f"has not {WITHOUT[key]}")
+            raise Cannot(f"Kratos has not {WITHOUT[key]}")
         if key == "point_placement" and value == "even":
             counts = [m["Material"]["Variables"]["MATERIAL_POINTS_PER_ELEMENT"]
                       for m in solver["material_import_settings"]["materials"]]
@@ -177,7 +177,8 @@ def for_kratos(project, folder):
     even = solver.pop("even", False)
     held = [p["Parameters"]["model_part_name"] for p in project["processes"].get("constraints", [])]
     if "Background_Grid.All" in held:
-        raise Cannot("moves no grid of which all nodes are imposed: explicit it takes them as at rest, implicit it has no dofs")
+        raise Cannot("Kratos moves no grid of which all nodes are imposed: explicit it takes them as at rest, "
+                     "implicit it has no dofs")
     modelers = {m["name"].rsplit(".", 1)[1]: m["parameters"] for m in project.pop("modelers")}
     triangles = solver.get("pressure_dofs", False)
     text, first = grid_mesh(modelers["RegularGridModeler"], triangles)
@@ -215,7 +216,7 @@ def for_kratos(project, folder):
                 process["kratos_module"] += ".MPMApplication"
             elif name == "assign_body_acceleration_to_material_point_process":
                 if not all(isinstance(x, (int, float)) for x in own["value"]):
-                    raise Cannot("has no body forces that depend on the place")
+                    raise Cannot("Kratos has no body forces that depend on the place")
                 process["python_module"] = "assign_gravity_to_material_point_process"
                 process["kratos_module"] += ".MPMApplication"
                 size = math.hypot(*own["value"])
@@ -529,7 +530,7 @@ def main():
         try:
             found = cell(project, run["criteria"], arguments)
         except Cannot as reason:
-            found = {"end": "cannot", "reason": f"Kratos {reason}"}
+            found = {"end": "cannot", "reason": str(reason)}
         if "version" in found:
             results["version"] = found.pop("version")
         cells.setdefault(scene, {})[method] = found
