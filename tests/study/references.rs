@@ -80,6 +80,28 @@ fn norms_of_a_constant() {
     }
 }
 
+/// A box holds the points and nodes that are in it at the start: here the half of a bar of 16 cells, whose
+/// last node brings its share of the cell beyond.
+#[test]
+fn norms_within_a_box() {
+    let folder = TempDir::new().unwrap();
+    copy_projects(folder.path());
+    for (project, part, variable, of, volume) in [
+        ("fem.json", "Structure", "DISPLACEMENT", "nodes", 2.5 + 0.5 * 5.0 / 16.0),
+        ("mpm.json", "MPM_Material", "MP_DISPLACEMENT", "points", 2.5 * 19.635),
+    ] {
+        let on = json!({"box": {"min": [0.0, 0.0, 0.0], "max": [2.5, 0.0, 0.0]}, "of": of});
+        let reference = json!({"type": "formula", "value": [0, "2 + 0*X", 0]});
+        let list = [error("e", part, json!({"variable": variable, "on": on, "norm": "L1", "reference": reference}))];
+        let set = [
+            format!("/processes/measurements={}", Value::from(list.to_vec())),
+            "/processes/loads_process_list=[]".to_string(),
+        ];
+        let found = number(&summary(folder.path(), project, &set)["errors"]["e"]["at_end"]);
+        assert!((found / (2.0 * volume) - 1.0).abs() < 1e-12, "{project}: {found} {volume}");
+    }
+}
+
 /// A table that a run's own measurement wrote is a reference for another run: the same has no error, a
 /// finer one a small error, and beyond its end it is no number.
 #[test]
@@ -136,6 +158,7 @@ fn faults_of_references_are_input_errors() {
         (with(json!({"variable": "MP_MASS", "reference": bar(1.0)})), "does not give MP_MASS"),
         (error("a/b", "Background_Grid", u(bar(1.0))), "slash"),
         (error("e", "Background_Grod", u(bar(1.0))), "there are no points in"),
+        (with(json!({"variable": "MP_VELOCITY", "on": {"of": "points"}, "reference": bar(1.0)})), "either"),
         (
             with(json!({"variable": "DISPLACEMENT", "on": "point", "reference": bar(1.0)})),
             "did you mean \\\"points\\\"",

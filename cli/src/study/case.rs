@@ -25,7 +25,8 @@ pub struct Case {
 /// Where what is set comes from: the objects `set`, and the values for `${name}` in them.
 #[derive(Debug, Clone, Default)]
 pub struct Changes {
-    set: Vec<Parameters>,
+    /// Pointers and what is set there, in the order in which they act.
+    set: Vec<(String, Parameters)>,
     values: Map<String, Value>,
 }
 
@@ -50,9 +51,39 @@ impl Changes {
                 let help = "a pointer looks like /solver_settings/time_stepping/time_step";
                 errors.push(value.error(format!("{pointer:?} is no JSON pointer")).help(help));
             }
+            changes.add(pointer, value);
         }
-        changes.set.extend(settings.get("set").cloned());
         errors.or(changes)
+    }
+
+    /// These, and then others.
+    #[must_use]
+    pub fn then(mut self, others: &Self) -> Self {
+        self.values.extend(others.values.clone());
+        others.set.iter().for_each(|(pointer, value)| self.add(pointer.clone(), value.clone()));
+        self
+    }
+
+    /// These without what is set at such pointers.
+    #[must_use]
+    pub fn without(&self, is_left_out: impl Fn(&str) -> bool) -> Self {
+        let set = self.set.iter().filter(|(pointer, _)| !is_left_out(pointer)).cloned().collect();
+        Self { set, values: self.values.clone() }
+    }
+
+    /// Whether it sets something at a pointer.
+    pub fn sets(&self, pointer: &str) -> bool {
+        self.set.iter().any(|(own, _)| own == pointer)
+    }
+
+    /// Adds one more, behind which what was set there or within has no effect.
+    fn add(&mut self, pointer: String, value: Parameters) {
+        if !pointer.ends_with("/-") {
+            let is_within =
+                |own: &str| own.strip_prefix(&pointer).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'));
+            self.set.retain(|(own, _)| !is_within(own));
+        }
+        self.set.push((pointer, value));
     }
 
     /// Pointers and values in their order, with the names replaced.
@@ -62,14 +93,12 @@ impl Changes {
     pub fn resolve(&self) -> Result<Vec<(String, Value, Parameters)>, InputErrors> {
         let mut errors = InputErrors::default();
         let mut list = Vec::new();
-        for object in &self.set {
-            for (pointer, place) in in_order(object)? {
-                match self.replace(place.value()) {
-                    Ok(value) => list.push((pointer, value, place)),
-                    Err(name) => {
-                        let diagnostic = place.error(format!("${{{name}}} has no value"));
-                        errors.push(diagnostic.allowed(&name, self.values.keys().map(String::as_str)));
-                    }
+        for (pointer, place) in &self.set {
+            match self.replace(place.value()) {
+                Ok(value) => list.push((pointer.clone(), value, place.clone())),
+                Err(name) => {
+                    let diagnostic = place.error(format!("${{{name}}} has no value"));
+                    errors.push(diagnostic.allowed(&name, self.values.keys().map(String::as_str)));
                 }
             }
         }
@@ -110,7 +139,10 @@ impl Changes {
 }
 
 /// Members of an object in the order of the file, which is that in which they act.
-fn in_order(object: &Parameters) -> Result<Vec<(String, Parameters)>, InputErrors> {
+///
+/// # Errors
+/// It is no object.
+pub fn in_order(object: &Parameters) -> Result<Vec<(String, Parameters)>, InputErrors> {
     object.object()?;
     let keys = object.value().as_object().map(|members| members.keys().cloned().collect::<Vec<_>>());
     let place = |key: String| object.child(&key).map(|value| (key, value));
@@ -148,6 +180,15 @@ impl Case {
         add_files(folder, document.root(), &mut files);
         let inputs = json!({"project": document.root(), "files": files, "threads": threads});
         Ok(Self { name, project, set, threads, time_limit, inputs })
+    }
+
+    /// All of it for programs.
+    pub fn json(&self) -> Value {
+        let set: Vec<Value> = self.set.iter().map(|(pointer, value)| json!([pointer, value])).collect();
+        json!({
+            "name": self.name, "project": self.project, "set": set, "threads": self.threads,
+            "time_limit": self.time_limit, "command": self.command(),
+        })
     }
 
     /// The command that runs it, as a shell takes it.
@@ -228,6 +269,25 @@ mod tests {
 
     fn changes(values: Value) -> Changes {
         Changes { set: Vec::new(), values: values.as_object().unwrap().clone() }
+    }
+
+    #[test]
+    fn later_changes_replace_earlier_ones() {
+        let of = |text: &str| {
+            let root = Parameters::root(Document::parse(Path::new("s.json"), text.into()).unwrap());
+            let keys: &[bia_kernel::parameters::Key] = super::super::keys::SWEEP;
+            Changes::default().with(&root.read(keys).unwrap()).unwrap()
+        };
+        let shared = of(r#"{"label": "a", "set": {"/a": 1, "/b/0": 2, "/bc": 3, "/l/-": 4}, "values": {"n": 5}}"#);
+        let own = of(r#"{"label": "b", "set": {"/b": [6], "/l/-": 7, "/a": "${n}"}}"#);
+        let pointers = |changes: &Changes| -> Vec<(String, String)> {
+            let list = changes.resolve().unwrap();
+            list.into_iter().map(|(pointer, value, _)| (pointer, value.to_string())).collect()
+        };
+        let pair = |a: &str, b: &str| (a.to_string(), b.to_string());
+        let both = shared.without(|pointer| pointer == "/bc").then(&own);
+        assert_eq!(pointers(&both), [pair("/l/-", "4"), pair("/b", "[6]"), pair("/l/-", "7"), pair("/a", "5")]);
+        assert!(both.sets("/b") && !both.sets("/b/0"));
     }
 
     #[test]

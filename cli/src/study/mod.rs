@@ -24,6 +24,7 @@ use outcome::Outcome;
 use plan::Study;
 use report::Report;
 use runner::{Runner, Stop};
+use serde_json::Value;
 use shown::{complain, say};
 use std::collections::HashMap;
 use std::io;
@@ -46,6 +47,9 @@ pub struct StudyArguments {
     /// Check the study and all its projects' changes, and show the commands; run nothing
     #[arg(long)]
     dry_run: bool,
+    /// With --dry-run: all that is known of the runs, as JSON
+    #[arg(long, requires = "dry_run")]
+    json: bool,
     /// Say nothing but errors
     #[arg(long)]
     quiet: bool,
@@ -61,6 +65,11 @@ trait Job: Sized {
 
     /// What is run, in this order.
     fn cases(&self) -> Vec<&Case>;
+
+    /// What is known of these runs.
+    fn plan(&self) -> Value {
+        self.cases().into_iter().map(Case::json).collect()
+    }
 
     /// How often.
     fn repetitions(&self) -> usize;
@@ -112,6 +121,10 @@ fn start<J: Job>(arguments: &StudyArguments) -> ExitCode {
         Ok(job) => job,
         Err(errors) => return ExitCode::from(shown::input(&errors)),
     };
+    if arguments.dry_run && arguments.json {
+        say!("{:#}", job.plan());
+        return ExitCode::SUCCESS;
+    }
     if arguments.dry_run {
         job.cases().iter().for_each(|case| say!("{}", case.command()));
         return ExitCode::SUCCESS;

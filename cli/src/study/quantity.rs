@@ -3,6 +3,7 @@
 use super::outcome::Outcome;
 use bia_kernel::diagnostic::InputErrors;
 use bia_kernel::parameters::{Key, Kind, Parameters, Settings};
+use serde_json::{Map, Value, json};
 
 /// Keys of a number that is made of others: (quantity − minus)/over.
 pub const QUANTITY: [Key; 4] = [
@@ -27,6 +28,13 @@ impl Term {
             (Some(number), _) => Ok(Some(Self::Number(number))),
             (None, Some(pointer)) if pointer.starts_with('/') => Ok(Some(Self::Pointer(pointer.into()))),
             _ => Err(place.error("must be a number, or a JSON pointer into the summary").into()),
+        }
+    }
+
+    fn json(&self) -> Value {
+        match self {
+            Self::Number(number) => json!(number),
+            Self::Pointer(pointer) => json!(pointer),
         }
     }
 
@@ -82,6 +90,17 @@ impl Quantity {
         }
     }
 
+    /// As it is read.
+    pub fn json(&self) -> Map<String, Value> {
+        let mut members = Map::new();
+        members.insert("quantity".into(), json!(self.pointer));
+        for (key, term) in [("minus", &self.minus), ("over", &self.over)] {
+            members.extend(term.as_ref().map(|term| (key.to_string(), term.json())));
+        }
+        members.insert("absolute".into(), json!(self.absolute));
+        members
+    }
+
     /// The number; none if a part of it is not there or not finite.
     pub fn value(&self, outcome: &Outcome) -> Option<f64> {
         let mut value = outcome.number(&self.pointer)?;
@@ -91,7 +110,12 @@ impl Quantity {
         if let Some(over) = &self.over {
             value /= over.value(outcome)?;
         }
-        let value = if self.absolute { value.abs() } else { value };
+        let value = self.sized(value);
         value.is_finite().then_some(value)
+    }
+
+    /// What of a number counts: its absolute value, or itself.
+    pub fn sized(&self, value: f64) -> f64 {
+        if self.absolute { value.abs() } else { value }
     }
 }

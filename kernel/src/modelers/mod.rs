@@ -17,6 +17,7 @@ mod surface;
 mod tests;
 
 use crate::registry::Registry;
+pub(crate) use parts::{BOX, corners};
 
 /// Registers the kernel's modelers.
 pub fn register(registry: &mut Registry) {

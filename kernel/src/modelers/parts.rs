@@ -10,7 +10,8 @@ use crate::parameters::{Key, Kind, Parameters, Settings};
 use crate::registry::Registry;
 use serde_json::Value;
 
-const BOX: &[Key] = &[
+/// Keys of a box.
+pub(crate) const BOX: &[Key] = &[
     Key::required("min", Kind::Vector3, "lowest corner [m]"),
     Key::required("max", Kind::Vector3, "highest corner [m]"),
 ];
@@ -81,23 +82,28 @@ pub(super) fn read(list: &Parameters, shape: Shape, registry: &Registry) -> Resu
 fn choice(settings: &Settings, dimension: usize) -> Result<Choice, InputErrors> {
     match (settings.get("side"), settings.nested("box")) {
         (Some(side), None) => sides(side, dimension),
-        (None, Some(nested)) => {
-            let (low, high) = (nested.vector("min"), nested.vector("max"));
-            match (0..3).find(|&axis| low[axis] > high[axis]) {
-                Some(axis) => {
-                    let (a, b, name) = (low[axis], high[axis], AXES[axis]);
-                    Err(nested
-                        .error("max", format!("is {b} in {name}, must not be less than min, which is {a}"))
-                        .into())
-                }
-                None => Ok(Choice::Box(low, high)),
-            }
-        }
+        (None, Some(nested)) => corners(nested).map(|(low, high)| Choice::Box(low, high)),
         (side, _) => {
             let found = if side.is_some() { "both are" } else { "neither is" };
             let message = format!("a part takes \"side\" or \"box\", and {found} given");
             Err(settings.parameters().error(message).into())
         }
+    }
+}
+
+/// The lowest and the highest corner of a box in m.
+///
+/// # Errors
+/// The highest lies below the lowest.
+pub(crate) fn corners(nested: &Settings) -> Result<([f64; 3], [f64; 3]), InputErrors> {
+    let (low, high) = (nested.vector("min"), nested.vector("max"));
+    match (0..3).find(|&axis| low[axis] > high[axis]) {
+        Some(axis) => {
+            let (a, b, name) = (low[axis], high[axis], AXES[axis]);
+            let message = format!("is {b} in {name}, must not be less than min, which is {a}");
+            Err(nested.error("max", message).into())
+        }
+        None => Ok((low, high)),
     }
 }
 

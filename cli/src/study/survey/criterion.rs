@@ -6,10 +6,13 @@ use crate::study::page::shown;
 use crate::study::quantity::Quantity;
 use bia_kernel::diagnostic::InputErrors;
 use bia_kernel::parameters::{Parameters, Settings};
+use serde_json::{Value, json};
 
 /// How a cell of the matrix came out, the best first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Verdict {
+    /// Nothing of it was measured, which happens beside the survey's own runs alone.
+    Unmeasured,
     /// All criteria are kept.
     Pass,
     /// One is broken, but not by much.
@@ -26,6 +29,7 @@ impl Verdict {
     /// Its name, and its class in the page.
     pub fn name(self) -> &'static str {
         match self {
+            Self::Unmeasured => "unmeasured",
             Self::Pass => "pass",
             Self::Degraded => "degraded",
             Self::Fails => "fails",
@@ -37,6 +41,7 @@ impl Verdict {
     /// A sign beside the name, for those who do not see colours.
     pub fn sign(self) -> &'static str {
         match self {
+            Self::Unmeasured => "?",
             Self::Pass => "✓",
             Self::Degraded => "≈",
             Self::Fails => "✗",
@@ -118,19 +123,56 @@ impl Criterion {
         matches!(self, Self::End { end, .. } if end != "done")
     }
 
+    /// What it is about; nothing if it asks for an end.
+    pub fn text(&self) -> &str {
+        match self {
+            Self::Bound(bound) => bound.what(),
+            Self::End { .. } => "",
+        }
+    }
+
+    /// As it is read.
+    pub fn json(&self) -> Value {
+        match self {
+            Self::Bound(bound) => {
+                let mut members = bound.quantity.json();
+                for (key, bound) in [("max", bound.max), ("min", bound.min), ("degraded", bound.degraded)] {
+                    members.extend(bound.map(|bound| (key.to_string(), json!(bound))));
+                }
+                members.insert("text".into(), json!(bound.text));
+                members.into()
+            }
+            Self::End { end, reason } => json!({"expect": end, "reason_contains": reason}),
+        }
+    }
+
     /// Looks at what a run left.
     pub fn look(&self, outcome: &Outcome) -> Finding {
         match self {
-            Self::Bound(bound) => bound.look(outcome),
+            Self::Bound(bound) => bound.judge(bound.quantity.value(outcome)),
             Self::End { end, reason } => {
                 let kept = outcome.end() == end && outcome.reason().to_lowercase().contains(&reason.to_lowercase());
                 let told = if reason.is_empty() { String::new() } else { format!(", and tells {reason:?}") };
-                let verdict = if kept { Verdict::Pass } else { Verdict::Fails };
-                let what = format!("ends: {}", outcome.end());
-                Finding { verdict, what, number: None, wanted: format!("{end}{told}") }
+                ended(outcome.end(), kept, format!("{end}{told}"))
             }
         }
     }
+
+    /// Looks at what another program left: how it ended, in its own words, and the number that was measured;
+    /// `Some(None)` was not finite.
+    pub fn look_beside(&self, end: &str, number: Option<Option<f64>>) -> Finding {
+        match (self, number) {
+            (Self::Bound(bound), Some(number)) => bound.judge(number.map(|number| bound.quantity.sized(number))),
+            (Self::Bound(bound), None) => Finding { verdict: Verdict::Unmeasured, ..bound.judge(None) },
+            (Self::End { end: asked, .. }, _) => ended(end, end == asked, asked.clone()),
+        }
+    }
+}
+
+/// A run that ended so, and whether it should.
+fn ended(end: &str, is_kept: bool, wanted: String) -> Finding {
+    let verdict = if is_kept { Verdict::Pass } else { Verdict::Fails };
+    Finding { verdict, what: format!("ends: {end}"), number: None, wanted }
 }
 
 /// A text that may stay away.
@@ -146,8 +188,12 @@ impl TextIf for Settings {
 }
 
 impl Bound {
-    fn look(&self, outcome: &Outcome) -> Finding {
-        let number = self.quantity.value(outcome);
+    fn what(&self) -> &str {
+        if self.text.is_empty() { &self.quantity.pointer } else { &self.text }
+    }
+
+    /// How far the number keeps to it.
+    fn judge(&self, number: Option<f64>) -> Finding {
         let within = |high: Option<f64>, low: Option<f64>, x: f64| {
             high.is_none_or(|high| x <= high) && low.is_none_or(|low| x >= low)
         };
@@ -160,13 +206,12 @@ impl Bound {
                 _ => Verdict::Fails,
             },
         };
-        let what = if self.text.is_empty() { self.quantity.pointer.clone() } else { self.text.clone() };
         let bounds = [
             self.min.map(|min| format!("≥ {}", shown(Some(min)))),
             self.max.map(|max| format!("≤ {}", shown(Some(max)))),
         ];
         let wanted = bounds.into_iter().flatten().collect::<Vec<_>>().join(", ");
-        Finding { verdict, what, number, wanted }
+        Finding { verdict, what: self.what().into(), number, wanted }
     }
 }
 
@@ -174,7 +219,6 @@ impl Bound {
 mod tests {
     use super::*;
     use bia_kernel::parameters::Document;
-    use serde_json::{Value, json};
     use std::path::Path;
 
     fn read(text: &str) -> Result<Criterion, InputErrors> {
@@ -204,6 +248,22 @@ mod tests {
         assert!(criterion.expects_trouble());
         assert_eq!(criterion.look(&outcome(Value::Null, "failed")).verdict, Verdict::Pass);
         assert_eq!(criterion.look(&outcome(Value::Null, "done")).verdict, Verdict::Fails);
+    }
+
+    /// Another program stops in its own words, and what was not measured decides nothing.
+    #[test]
+    fn other_programs_are_judged_by_the_same_bounds() {
+        let criterion = read(r#"{"quantity": "/a", "max": 1, "degraded": 3}"#).unwrap();
+        let verdict = |number: Option<Option<f64>>| criterion.look_beside("done", number).verdict;
+        assert_eq!(verdict(Some(Some(-0.5))), Verdict::Pass);
+        assert_eq!(verdict(Some(Some(-2.0))), Verdict::Degraded);
+        assert_eq!(verdict(Some(Some(4.0))), Verdict::Fails);
+        assert_eq!(verdict(Some(None)), Verdict::Fails, "what is not finite is no pass");
+        assert_eq!(verdict(None), Verdict::Unmeasured);
+        assert!(Verdict::Unmeasured < Verdict::Pass, "a measured criterion decides");
+        let stop = read(r#"{"expect": "failed", "reason_contains": "hyperbolic"}"#).unwrap();
+        assert_eq!(stop.look_beside("failed", None).verdict, Verdict::Pass);
+        assert_eq!(stop.look_beside("done", None).verdict, Verdict::Fails);
     }
 
     #[test]

@@ -1,16 +1,21 @@
 //! `bia survey`: scenes and methods, and which of them stay stable.
 
+mod beside;
 mod criterion;
+mod draft;
 mod keys;
 mod plan;
 mod report;
+mod used;
 
 use super::machine::machine;
 use super::outcome::Outcome;
 use super::{Job, StudyArguments};
 use bia_kernel::diagnostic::InputErrors;
-use plan::Survey;
+use criterion::Criterion;
+use plan::{Run, Survey};
 use report::Report;
+use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -26,6 +31,23 @@ impl Job for Survey {
 
     fn cases(&self) -> Vec<&super::case::Case> {
         self.wanted().map(|wanted| &wanted.case).collect()
+    }
+
+    fn plan(&self) -> Value {
+        let mut plan = Vec::new();
+        for scene in &self.scenes {
+            for (method, run) in self.methods.iter().zip(&scene.runs) {
+                let Some(Run::Wanted(wanted)) = run else { continue };
+                let mut entry = wanted.case.json();
+                entry["scene"] = json!(scene.id);
+                entry["method"] = json!(method.label);
+                entry["must"] = json!(wanted.must);
+                entry["text"] = json!(wanted.text);
+                entry["criteria"] = wanted.criteria.iter().map(Criterion::json).collect();
+                plan.push(entry);
+            }
+        }
+        plan.into()
     }
 
     fn repetitions(&self) -> usize {

@@ -1,7 +1,8 @@
 //! The report of a survey: the matrix, each scene's runs with their numbers, and what scenes did without.
 
-use super::criterion::{Finding, Verdict};
-use super::plan::{Run, Scene, Survey, Wanted};
+use super::criterion::{Criterion, Finding, Verdict};
+use super::plan::{Method, Run, Scene, Survey};
+use super::used::{fullest, used};
 use crate::study::chart::escaped;
 use crate::study::machine::in_words;
 use crate::study::outcome::Outcome;
@@ -32,27 +33,31 @@ impl<'a> Report<'a> {
         Self { survey, machine, outcomes }
     }
 
-    fn outcome(&self, wanted: &Wanted) -> Option<&Outcome> {
-        self.outcomes.get(wanted.case.name.as_str())
+    fn outcome(&self, run: &'a Run) -> Option<&Outcome> {
+        match run {
+            Run::Cannot(_) => None,
+            Run::Wanted(wanted) => self.outcomes.get(wanted.case.name.as_str()),
+            Run::Measured(measured) => Some(&measured.outcome),
+        }
     }
 
-    fn judge(&self, run: &Run) -> Cell {
-        let wanted = match run {
-            Run::Cannot(reason) => {
-                return Cell { verdict: Verdict::Cannot, reason: reason.clone(), findings: Vec::new() };
-            }
-            Run::Wanted(wanted) => wanted,
+    fn judge(&self, run: &'a Run) -> Cell {
+        let bare = |verdict: Verdict, reason: String| Cell { verdict, reason, findings: Vec::new() };
+        let criteria = match run {
+            Run::Cannot(reason) => return bare(Verdict::Cannot, reason.clone()),
+            Run::Wanted(wanted) => &wanted.criteria,
+            Run::Measured(measured) => &measured.criteria,
         };
-        let Some(outcome) = self.outcome(wanted) else {
-            return Cell { verdict: Verdict::Fails, reason: "was not run".into(), findings: Vec::new() };
-        };
-        let trouble = wanted.criteria.iter().any(|criterion| criterion.expects_trouble());
+        let Some(outcome) = self.outcome(run) else { return bare(Verdict::Fails, "was not run".into()) };
+        let trouble = criteria.iter().any(Criterion::expects_trouble);
         if !outcome.is_done() && !trouble {
             let verdict = if outcome.end() == "input" { Verdict::Refused } else { Verdict::Fails };
-            let reason = format!("{}: {}", in_word(outcome.end()), outcome.reason());
-            return Cell { verdict, reason, findings: Vec::new() };
+            return bare(verdict, format!("{}: {}", in_word(outcome.end()), outcome.reason()));
         }
-        let findings: Vec<Finding> = wanted.criteria.iter().map(|criterion| criterion.look(outcome)).collect();
+        let findings: Vec<Finding> = match run {
+            Run::Measured(measured) => measured.findings(),
+            _ => criteria.iter().map(|criterion| criterion.look(outcome)).collect(),
+        };
         let verdict = findings.iter().map(|finding| finding.verdict).max().unwrap_or(Verdict::Fails);
         let worst = findings.iter().find(|finding| finding.verdict == verdict);
         let reason = match worst {
@@ -75,8 +80,8 @@ impl<'a> Report<'a> {
         out += "<h2>Scenes and methods</h2>\n";
         out += &self.matrix();
         out += "<h2>Methods</h2>\n";
-        for (label, text) in &self.survey.methods {
-            let _ = writeln!(out, "<p><b>{}</b> {}</p>", escaped(label), escaped(text));
+        for method in self.own_methods() {
+            let _ = writeln!(out, "<p><b>{}</b> {}</p>", escaped(&method.label), escaped(&method.text));
         }
         out += "<h2>Each scene</h2>\n";
         for scene in &self.survey.scenes {
@@ -85,33 +90,49 @@ impl<'a> Report<'a> {
         let _ = writeln!(out, "<h2>How it was measured</h2>\n<p>{}.</p>", escaped(&in_words(&self.machine)));
         out +=
             "<p>Each run was a process of its own; CPU time is that of the loop over time steps, of all threads.</p>\n";
+        out += &self.survey.programs.iter().map(|program| paragraphs(&program.text, "")).collect::<String>();
         out += &self.commands();
         page(&self.survey.title, &out)
     }
 
+    /// The survey's own methods, without what stands beside them.
+    fn own_methods(&self) -> &[Method] {
+        let beside: usize = self.survey.programs.iter().map(|program| program.columns.len()).sum();
+        &self.survey.methods[..self.survey.methods.len() - beside]
+    }
+
     fn counts(&self) -> String {
-        let cells = self.survey.scenes.iter().flat_map(|scene| scene.runs.iter().flatten());
-        let all: Vec<(Verdict, bool)> =
-            cells.map(|run| (self.judge(run).verdict, matches!(run, Run::Wanted(wanted) if wanted.must))).collect();
-        let count = |verdict: Verdict| all.iter().filter(|(found, _)| *found == verdict).count();
-        let verdicts = [Verdict::Pass, Verdict::Degraded, Verdict::Fails, Verdict::Refused, Verdict::Cannot];
-        let told: Vec<String> = verdicts
-            .iter()
-            .map(|verdict| format!("<b class=\"{0}\">{1} {0}</b> {2}", verdict.name(), verdict.sign(), count(*verdict)))
-            .collect();
-        let must = all.iter().filter(|(_, must)| *must).count();
-        let kept = all.iter().filter(|(verdict, must)| *must && *verdict == Verdict::Pass).count();
-        format!(
+        let own = self.own_methods().len();
+        let runs = || self.survey.scenes.iter().flat_map(|scene| scene.runs.iter().take(own).flatten());
+        let all: Vec<Verdict> = runs().map(|run| self.judge(run).verdict).collect();
+        let is_must = |run: &&Run| matches!(run, Run::Wanted(wanted) if wanted.must);
+        let must = runs().filter(is_must).count();
+        let kept = runs().filter(is_must).filter(|run| self.judge(run).verdict == Verdict::Pass).count();
+        let mut out = format!(
             "<p>{} scenes, {} cells: {}. Of the {must} that must pass by theory, {kept} do.</p>\n",
             self.survey.scenes.len(),
             all.len(),
-            told.join(", ")
-        )
+            tally(&all)
+        );
+        for program in &self.survey.programs {
+            let mut verdicts = [Vec::new(), Vec::new()];
+            for scene in &self.survey.scenes {
+                for (theirs, ours) in &program.columns {
+                    let Some(run) = &scene.runs[*theirs] else { continue };
+                    verdicts[0].push(self.judge(run).verdict);
+                    verdicts[1].extend(scene.runs[*ours].as_ref().map(|run| self.judge(run).verdict));
+                }
+            }
+            let [theirs, ours] = verdicts.each_ref().map(|list| tally(list));
+            let (name, cells) = (escaped(&program.name), verdicts[0].len());
+            let _ = writeln!(out, "<p>Beside them {name} on {cells} of these cells: {theirs}; Bia there: {ours}.</p>");
+        }
+        out
     }
 
     fn matrix(&self) -> String {
         let mut head = vec!["scene"];
-        head.extend(self.survey.methods.iter().map(|(label, _)| label.as_str()));
+        head.extend(self.survey.methods.iter().map(|method| method.label.as_str()));
         let mut table = Table::new(&head).of_texts();
         for scene in &self.survey.scenes {
             let (id, title) = (escaped(&scene.id), escaped(&scene.title));
@@ -133,29 +154,24 @@ impl<'a> Report<'a> {
         let cell = self.judge(run);
         let (class, sign, reason) = (cell.verdict.name(), cell.verdict.sign(), escaped(&cell.reason));
         let short = escaped(&cell.reason.chars().take(90).collect::<String>());
-        let cost = match run {
-            Run::Wanted(wanted) => self.outcome(wanted).and_then(Outcome::cpu),
-            Run::Cannot(_) => None,
-        };
-        let cost = cost.map_or(String::new(), |cpu| format!("<small>{} s</small>", shown(Some(cpu.median))));
+        let cost = self
+            .outcome(run)
+            .and_then(Outcome::cpu)
+            .map_or(String::new(), |cpu| format!("<small>{} s</small>", shown(Some(cpu.median))));
         format!(
             "<td class=\"cell\" title=\"{reason}\"><b class=\"{class}\">{sign} {class}</b><small>{short}</small>{cost}</td>"
         )
     }
 
-    fn scene(&self, scene: &Scene) -> String {
+    fn scene(&self, scene: &'a Scene) -> String {
         let (id, title) = (escaped(&scene.id), escaped(&scene.title));
         let mut out = format!("<h3 id=\"{id}\">{id}: {title}</h3>\n{}", paragraphs(&scene.text, ""));
         let mut table =
             Table::new(&["method", "result", "criterion", "found", "wanted", "steps", "CPU [s]"]).of_texts();
         let mut notes = String::new();
-        for ((label, _), run) in self.survey.methods.iter().zip(&scene.runs) {
+        for (Method { label, .. }, run) in self.survey.methods.iter().zip(&scene.runs) {
             let Some(run) = run else { continue };
-            let cell = self.judge(run);
-            let outcome = match run {
-                Run::Wanted(wanted) => self.outcome(wanted),
-                Run::Cannot(_) => None,
-            };
+            let (cell, outcome) = (self.judge(run), self.outcome(run));
             let verdict = format!("<b class=\"{0}\">{1} {0}</b>", cell.verdict.name(), cell.verdict.sign());
             let steps = counted(outcome.and_then(|outcome| outcome.number("/steps")));
             let cpu = shown(outcome.and_then(Outcome::cpu).map(|cpu| cpu.median));
@@ -190,54 +206,11 @@ impl<'a> Report<'a> {
     }
 
     /// What each run of a scene used, and did without, beside the fullest one.
-    fn left_out(&self, scene: &Scene) -> String {
-        let mut table =
-            Table::new(&["method", "columns", "left out", "unknowns", "stages", "bytes a point", "memory [MB]"])
-                .of_texts();
-        let mut any = false;
-        let mut row = |label: &str, outcome: &Outcome| {
-            let names = |pointer: &str, key: Option<&str>| -> String {
-                let list = outcome.summary().pointer(pointer).and_then(Value::as_array).cloned().unwrap_or_default();
-                let name = |entry: &Value| match key {
-                    Some(key) => entry[key].as_str().map(str::to_owned),
-                    None => entry.as_str().map(str::to_owned),
-                };
-                escaped(&list.iter().filter_map(name).collect::<Vec<_>>().join(", "))
-            };
-            let cells = [
-                names("/columns", Some("name")),
-                names("/left_out", None),
-                counted(outcome.number("/unknowns")),
-                names("/stages", None),
-                shown(outcome.number("/bytes_per_point")),
-                shown(outcome.number("/peak_memory_mb")),
-            ];
-            let cells: String = cells
-                .iter()
-                .enumerate()
-                .map(|(i, cell)| {
-                    format!("<td{}>{cell}</td>", if [0, 1, 3].contains(&i) { " class=\"text\"" } else { "" })
-                })
-                .collect();
-            table.raw(&format!("<tr><td>{}</td>{cells}</tr>", escaped(label)));
-        };
-        for ((label, _), run) in self.survey.methods.iter().zip(&scene.runs) {
-            let Some(Run::Wanted(wanted)) = run else { continue };
-            let Some(outcome) = self.outcome(wanted).filter(|outcome| outcome.summary()["columns"].is_array()) else {
-                continue;
-            };
-            any = true;
-            row(label, outcome);
-        }
-        let weight = |outcome: &&Outcome| outcome.number("/bytes_per_point").unwrap_or(0.0);
-        let fullest = self.outcomes.values().max_by(|a, b| weight(a).total_cmp(&weight(b)));
-        if let (true, Some(fullest)) = (any, fullest) {
-            row("the fullest of all scenes", fullest);
-        }
-        if !any {
-            return String::new();
-        }
-        format!("<details><summary>What was used and what was left out</summary>\n{}</details>\n", table.html())
+    fn left_out(&self, scene: &'a Scene) -> String {
+        let labelled = self.survey.methods.iter().zip(&scene.runs);
+        let runs = labelled.filter_map(|(method, run)| Some((method.label.as_str(), self.outcome(run.as_ref()?)?)));
+        let all = self.survey.wanted().map(|wanted| wanted.case.name.as_str());
+        used(runs, fullest(all.filter_map(|name| Some((name, self.outcomes.get(name)?)))))
     }
 
     fn commands(&self) -> String {
@@ -253,10 +226,7 @@ impl<'a> Report<'a> {
     pub fn csv(&self) -> String {
         let mut out = String::from("scene,method,result,must,criterion,found,wanted,steps,cpu_s,reason\n");
         self.visit(|scene, method, run, cell| {
-            let (must, outcome) = match run {
-                Run::Wanted(wanted) => (wanted.must, self.outcome(wanted)),
-                Run::Cannot(_) => (false, None),
-            };
+            let (must, outcome) = (matches!(run, Run::Wanted(wanted) if wanted.must), self.outcome(run));
             let number = |number: Option<f64>| number.map_or(String::new(), |number| format!("{number:?}"));
             let head = format!("{},{},{},{must}", csv_cell(&scene.id), csv_cell(method), cell.verdict.name());
             let steps = number(outcome.and_then(|outcome| outcome.number("/steps")));
@@ -291,17 +261,19 @@ impl<'a> Report<'a> {
                 entry["must"] = wanted.must.into();
                 entry["text"] = wanted.text.clone().into();
                 entry["command"] = wanted.case.command().into();
-                entry["end"] = self.outcome(wanted).map_or("not run", Outcome::end).into();
-                entry["summary"] = self.outcome(wanted).map_or(Value::Null, |outcome| outcome.summary().clone());
+            }
+            if !matches!(run, Run::Cannot(_)) {
+                entry["end"] = self.outcome(run).map_or("not run", Outcome::end).into();
+                entry["summary"] = self.outcome(run).map_or(Value::Null, |outcome| outcome.summary().clone());
             }
             cells.push(entry);
         });
         json!({"title": self.survey.title, "machine": self.machine, "cells": cells})
     }
 
-    fn visit(&self, mut visit: impl FnMut(&Scene, &str, &Run, Cell)) {
+    fn visit(&self, mut visit: impl FnMut(&Scene, &str, &'a Run, Cell)) {
         for scene in &self.survey.scenes {
-            for ((label, _), run) in self.survey.methods.iter().zip(&scene.runs) {
+            for (Method { label, .. }, run) in self.survey.methods.iter().zip(&scene.runs) {
                 if let Some(run) = run {
                     visit(scene, label, run, self.judge(run));
                 }
@@ -310,10 +282,21 @@ impl<'a> Report<'a> {
     }
 }
 
+/// How many came out how.
+fn tally(all: &[Verdict]) -> String {
+    let verdicts = [Verdict::Pass, Verdict::Degraded, Verdict::Fails, Verdict::Refused, Verdict::Cannot];
+    let told = verdicts.iter().map(|verdict| {
+        let count = all.iter().filter(|found| *found == verdict).count();
+        format!("<b class=\"{0}\">{1} {0}</b> {count}", verdict.name(), verdict.sign())
+    });
+    told.collect::<Vec<_>>().join(", ")
+}
+
 /// What is told where there is no number.
 fn missing(finding: &Finding) -> String {
     match finding.verdict {
         Verdict::Pass => "as expected".into(),
+        Verdict::Unmeasured => "was not measured".into(),
         _ if finding.what.starts_with("ends") => "another end".into(),
         _ => "not there, or not finite".into(),
     }

@@ -3,6 +3,7 @@
 use crate::diagnostic::InputErrors;
 use crate::io::checkpoint::{Archive, CheckpointError};
 use crate::model::{Model, ModelPart, PointHandle, PointSet};
+use crate::modelers::{BOX, corners};
 use crate::parameters::{Key, Kind, Parameters, Range, Settings};
 use crate::processes::measure::positions;
 use crate::processes::measure::probe::shares_in_cells;
@@ -15,14 +16,20 @@ use crate::variables::{Rank, Variable};
 /// Keys of those who read samples.
 pub const SOURCE: [Key; 4] = [
     Key::required("model_part_name", Kind::Text, "part of points or nodes, such as MPM_Material or Structure"),
-    Key::new("on", Kind::Any, "\"points\"", "\"points\", \"nodes\", or {\"positions\": [places], \"of\": either}"),
+    Key::new(
+        "on",
+        Kind::Any,
+        "\"points\"",
+        "\"points\", \"nodes\", or {\"positions\": [places], \"of\": either}, or {\"box\": …}",
+    ),
     Key::optional("weight_variable", Kind::Text, "nodes: scalar that weighs them instead of volume: NODAL_MASS"),
     Key::new("search_tolerance", Kind::Number(Range::NOT_NEGATIVE), "1e-6", "of places in local coordinates"),
 ];
 
 const PLACES: &[Key] = &[
-    Key::required("positions", Kind::List, "places at the start [m]"),
-    Key::new("of", Kind::Choice(&["points", "nodes"]), "\"nodes\"", "the nearest points, or interpolated from nodes"),
+    Key::optional("positions", Kind::List, "places at the start [m]: the nearest points, or interpolated from nodes"),
+    Key::optional("box", Kind::Object(BOX), "instead: all points or nodes that are in it at the start"),
+    Key::new("of", Kind::Choice(&["points", "nodes"]), "\"nodes\"", "which of them"),
 ];
 
 /// The present values.
@@ -38,14 +45,28 @@ pub struct Samples {
 
 /// What is compared.
 enum Kinds {
-    /// All points of the part.
-    Points,
+    /// All points of the part that were in the region at the start.
+    Points(Region),
     /// These points, by id, found at the first look; and the places that they are nearest to.
     NearPoints { ids: Vec<u32>, places: Vec<[f64; 3]> },
-    /// Nodes with their weights.
-    Nodes { weights: Vec<(u32, f64)> },
+    /// Nodes in a region with their weights.
+    Nodes { region: Region, weights: Vec<(u32, f64)> },
     /// Places with the nodes around and their functions.
     Places { places: Vec<[f64; 3]>, shares: Vec<Vec<(u32, f64)>> },
+}
+
+/// A box, or everywhere.
+#[derive(Debug, Clone, Copy, Default)]
+struct Region(Option<([f64; 3], [f64; 3])>);
+
+impl Region {
+    /// Round-off of its size is within it.
+    fn holds(&self, x: [f64; 3]) -> bool {
+        self.0.is_none_or(|(low, high)| {
+            let margin = 1e-9 * (0..3).map(|a| high[a] - low[a]).fold(0.0, f64::max);
+            (0..3).all(|a| (low[a] - margin..=high[a] + margin).contains(&x[a]))
+        })
+    }
 }
 
 /// Reads the samples out of the model.
@@ -88,7 +109,7 @@ impl Source {
     }
 
     fn is_of_points(&self) -> bool {
-        matches!(self.kind, Kinds::Points | Kinds::NearPoints { .. })
+        matches!(self.kind, Kinds::Points(_) | Kinds::NearPoints { .. })
     }
 
     /// Resolves the part of nodes.
@@ -106,14 +127,17 @@ impl Source {
             return Err(model.suggest_part(diagnostic, path).into());
         };
         match &mut self.kind {
-            Kinds::Nodes { weights } if self.weight.is_some() => {
-                *weights = members.nodes.iter().map(|node| (*node, 1.0)).collect();
+            Kinds::Nodes { region, weights } => {
+                *weights = match self.weight {
+                    Some(_) => members.nodes.iter().map(|node| (*node, 1.0)).collect(),
+                    None => volumes(part, &members.elements, &members.nodes),
+                };
+                weights.retain(|(node, _)| region.holds(part.nodes.coordinates[*node as usize]));
             }
-            Kinds::Nodes { weights } => *weights = volumes(part, &members.elements, &members.nodes),
             Kinds::Places { places, shares } => {
                 *shares = shares_in_cells(part, &members.elements, places, &self.settings)?;
             }
-            Kinds::Points | Kinds::NearPoints { .. } => {}
+            Kinds::Points(_) | Kinds::NearPoints { .. } => {}
         }
         self.root = members.root;
         Ok(())
@@ -172,8 +196,8 @@ impl Source {
     pub fn sample(&self, model: &Model, compared: &Compared, samples: &mut Samples) {
         (samples.width, samples.places, samples.values) = (0, Vec::new(), Vec::new());
         match &self.kind {
-            Kinds::Points | Kinds::NearPoints { .. } => self.sample_points(model, compared, samples),
-            Kinds::Nodes { weights } => self.sample_nodes(model, weights, compared, samples),
+            Kinds::Points(_) | Kinds::NearPoints { .. } => self.sample_points(model, compared, samples),
+            Kinds::Nodes { weights, .. } => self.sample_nodes(model, weights, compared, samples),
             Kinds::Places { places, shares } => self.sample_places(model, places, shares, compared, samples),
         }
     }
@@ -190,8 +214,13 @@ impl Source {
             let at = Place { position: place.position, initial: place.initial, time: 0.0 };
             samples.places.push((at, weight.unwrap_or(place.volume)));
         };
-        let Kinds::NearPoints { ids, .. } = &self.kind else {
-            return selected.into_iter().for_each(|point| take(point, None));
+        let ids = match &self.kind {
+            Kinds::NearPoints { ids, .. } => ids,
+            Kinds::Points(region) => {
+                let inside = selected.into_iter().filter(|point| region.holds(points.place(*point).initial));
+                return inside.for_each(|point| take(point, None));
+            }
+            Kinds::Nodes { .. } | Kinds::Places { .. } => return,
         };
         let mut lost = 0;
         for id in ids {
@@ -256,8 +285,8 @@ impl Source {
 
 fn read_kind(on: &Parameters) -> Result<Kinds, InputErrors> {
     match on.value().as_str() {
-        Some("points") => return Ok(Kinds::Points),
-        Some("nodes") => return Ok(Kinds::Nodes { weights: Vec::new() }),
+        Some("points") => return Ok(Kinds::Points(Region::default())),
+        Some("nodes") => return Ok(Kinds::Nodes { region: Region::default(), weights: Vec::new() }),
         Some(other) => {
             let message = format!("{other:?} is no place of values");
             return Err(on.error(message).allowed(other, ["points", "nodes"]).into());
@@ -265,11 +294,24 @@ fn read_kind(on: &Parameters) -> Result<Kinds, InputErrors> {
         None => {}
     }
     let settings = on.read(PLACES)?;
-    let places = settings.get("positions").map_or(Ok(Vec::new()), positions)?;
-    Ok(match settings.text("of") {
-        "points" => Kinds::NearPoints { ids: Vec::new(), places },
-        _ => Kinds::Places { places, shares: Vec::new() },
-    })
+    let of_points = settings.text("of") == "points";
+    match (settings.get("positions"), settings.nested("box")) {
+        (Some(places), None) => {
+            let places = positions(places)?;
+            Ok(match of_points {
+                true => Kinds::NearPoints { ids: Vec::new(), places },
+                false => Kinds::Places { places, shares: Vec::new() },
+            })
+        }
+        (None, Some(nested)) => {
+            let region = Region(Some(corners(nested)?));
+            Ok(match of_points {
+                true => Kinds::Points(region),
+                false => Kinds::Nodes { region, weights: Vec::new() },
+            })
+        }
+        _ => Err(on.error("takes either \"positions\" or \"box\"").into()),
+    }
 }
 
 /// Nodes of meshes stay where they are.
