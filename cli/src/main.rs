@@ -2,6 +2,7 @@
 
 mod convert;
 mod info;
+mod log;
 mod new;
 mod progress;
 mod reference;

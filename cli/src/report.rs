@@ -34,19 +34,6 @@ macro_rules! complain {
 
 pub(crate) use {complain, say};
 
-/// Sends the log to standard error.
-pub fn start_log(quiet: bool) {
-    let level = if quiet { tracing::Level::ERROR } else { tracing::Level::INFO };
-    let _ = tracing_subscriber::fmt()
-        .with_max_level(level)
-        .with_writer(std::io::stderr)
-        .with_target(false)
-        .without_time()
-        .log_internal_errors(false)
-        .with_ansi(std::io::stderr().is_terminal())
-        .try_init();
-}
-
 /// Shows faults of the input with the lines they stand in; exit code 2.
 pub fn input(errors: &InputErrors) -> u8 {
     let theme = if std::io::stderr().is_terminal() { GraphicalTheme::unicode() } else { GraphicalTheme::none() };
@@ -186,6 +173,22 @@ pub fn plan(file: &Path, analysis: &Analysis, as_json: bool) {
     say!("  {:36} {}", "left out", left.join(", "));
 }
 
+/// What the end of a run tells of its steps.
+pub fn warnings(account: &Account) -> Vec<String> {
+    let mut list = Vec::new();
+    if let Some(first) = account.not_converged.first() {
+        let count = counted(account.not_converged.len(), "step");
+        list.push(format!("{count} did not converge within max_iteration, the first is step {first}"));
+    }
+    if let Some(first) = account.cut.first() {
+        let (count, most) = (counted(account.cut.len(), "step"), 1u64 << account.halvings);
+        list.push(format!(
+            "{count} did not converge as given and were cut, the first is step {first}, at most into {most} pieces"
+        ));
+    }
+    list
+}
+
 /// Shows what the run did.
 pub fn summary(account: &Account) {
     let iterations: usize = account.iterations.iter().sum();
@@ -198,15 +201,8 @@ pub fn summary(account: &Account) {
             None => say!("  {:24} none: the project has no \"restart\"", "checkpoint"),
         }
     }
-    if let Some(first) = account.not_converged.first() {
-        let count = counted(account.not_converged.len(), "step");
-        complain!("warning: {count} did not converge within max_iteration, the first is step {first}");
-    }
-    if let Some(first) = account.cut.first() {
-        let (count, most) = (counted(account.cut.len(), "step"), 1u64 << account.halvings);
-        complain!(
-            "warning: {count} did not converge as given and were cut, the first is step {first}, at most into {most} pieces"
-        );
+    for warning in warnings(account) {
+        complain!("warning: {warning}");
     }
     say!(
         "  {:24} {:.3} s, CPU {:.3} s",

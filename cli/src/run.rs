@@ -2,7 +2,7 @@
 
 use crate::progress::Progress;
 use crate::signal::Signal;
-use crate::{ProjectArguments, report, summary};
+use crate::{ProjectArguments, log, report, summary};
 use bia_kernel::analysis::{Account, Analysis, RecordPlan};
 use bia_kernel::diagnostic::{Diagnostic, InputErrors, Place};
 use bia_kernel::error::Error;
@@ -50,7 +50,7 @@ const MOST_THREADS: usize = 1024;
 
 /// Runs a project.
 pub fn run(arguments: &RunArguments, registry: &Registry) -> ExitCode {
-    report::start_log(arguments.quiet);
+    let log = log::start(arguments.quiet);
     if let Some(path) = &arguments.summary
         && let Err(message) = summary::check_place(path)
     {
@@ -79,10 +79,9 @@ pub fn run(arguments: &RunArguments, registry: &Registry) -> ExitCode {
         End::Refused(errors) => report::input(errors),
         End::Failed(error) => report::failure(error),
     };
-    let written = arguments
-        .summary
-        .as_deref()
-        .map_or(Ok(()), |path| summary::write(path, &arguments.project.file, &end, code, analysis.as_ref()));
+    let written = arguments.summary.as_deref().map_or(Ok(()), |path| {
+        summary::write(path, &arguments.project.file, &end, code, &log.told(), analysis.as_ref())
+    });
     match written {
         Ok(()) => ExitCode::from(code),
         Err(message) => {
@@ -147,7 +146,7 @@ fn execute(arguments: &RunArguments, threads: usize, registry: &Registry, signal
 
 /// Checks a project.
 pub fn check(arguments: &ProjectArguments, registry: &Registry) -> ExitCode {
-    report::start_log(false);
+    log::start(false);
     match prepare(arguments, None, registry, false) {
         Ok(mut analysis) => {
             report::head(&arguments.file, &analysis.inventory(), 0);
@@ -173,7 +172,7 @@ pub struct ExplainArguments {
 
 /// Shows the plan of a project.
 pub fn explain(arguments: &ExplainArguments, registry: &Registry) -> ExitCode {
-    report::start_log(arguments.json);
+    log::start(arguments.json);
     match prepare(&arguments.project, None, registry, false) {
         Ok(analysis) => {
             report::plan(&arguments.project.file, &analysis, arguments.json);

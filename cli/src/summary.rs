@@ -1,5 +1,6 @@
 //! `bia run --summary FILE`: what a run took and found, and how it ended, for programs that compare runs.
 
+use crate::report;
 use crate::run::End;
 use bia_kernel::analysis::{Analysis, number};
 use bia_kernel::diagnostic::{InputErrors, Severity};
@@ -21,11 +22,18 @@ pub fn check_place(path: &Path) -> Result<(), String> {
     }
 }
 
-/// Writes the summary. An input that would be overwritten stays as it is.
+/// Writes the summary, with the warnings that the log has `told`. An input that would be overwritten stays as it is.
 ///
 /// # Errors
 /// The file cannot be written.
-pub fn write(path: &Path, project: &Path, end: &End, code: u8, analysis: Option<&Analysis>) -> Result<(), String> {
+pub fn write(
+    path: &Path,
+    project: &Path,
+    end: &End,
+    code: u8,
+    told: &[String],
+    analysis: Option<&Analysis>,
+) -> Result<(), String> {
     if analysis.is_none() && is_foreign(path) {
         return Ok(());
     }
@@ -43,6 +51,9 @@ pub fn write(path: &Path, project: &Path, end: &End, code: u8, analysis: Option<
         insert("failure", failure);
     }
     if let Some(analysis) = analysis {
+        let of_steps = if let End::Done(account) = end { report::warnings(account) } else { Vec::new() };
+        let warnings = [analysis.inventory().warnings, told.to_vec(), of_steps].concat();
+        summary.insert("warnings".into(), warnings.into());
         summary.extend(analysis.summary());
     }
     let text = format!("{:#}\n", Value::Object(summary));

@@ -116,7 +116,7 @@ pub fn study(arguments: &StudyArguments) -> ExitCode {
 }
 
 fn start<J: Job>(arguments: &StudyArguments) -> ExitCode {
-    shown::start_log(arguments.quiet);
+    crate::log::start(arguments.quiet);
     let job = match J::read(&arguments.file) {
         Ok(job) => job,
         Err(errors) => return ExitCode::from(shown::input(&errors)),
