@@ -368,20 +368,31 @@ impl Registry {
     /// # Errors
     /// An unknown type, or faults of the settings.
     pub fn build_solver(&self, settings: &Parameters, options: &RunOptions) -> Result<Box<dyn Solver>, InputErrors> {
-        let plain = |text: &str| text.to_lowercase().replace(['-', ' '], "_");
         let names = || self.solvers.iter().flat_map(|e| e.types.iter().copied());
         if settings.value().is_object() && settings.child("solver_type").is_none() {
             let list = names().collect::<Vec<_>>().join(", ");
             return Err(settings.error("\"solver_type\" is missing").help(format!("allowed: {list}")).into());
         }
         let name = settings.text("solver_type")?;
-        match self.solvers.iter().find(|e| e.types.iter().any(|t| plain(t) == plain(&name))) {
+        match self.solver_of_type(&name) {
             Some(entry) => (entry.build)(settings, self, options),
             None => {
                 let place = settings.child("solver_type").unwrap_or_else(|| settings.clone());
                 Err(place.error(format!("there is no solver type {name:?}")).allowed(&name, names()).into())
             }
         }
+    }
+
+    /// The names of the solver's settings of which a run that has failed may be resumed with other values.
+    pub fn adjustable_settings(&self, settings: &Parameters) -> Vec<&'static str> {
+        let entry = settings.text("solver_type").ok().and_then(|name| self.solver_of_type(&name));
+        let keys = entry.map_or(&[][..], |entry| entry.keys);
+        keys.iter().filter(|key| key.adjustable).map(|key| key.name).collect()
+    }
+
+    fn solver_of_type(&self, name: &str) -> Option<&SolverEntry> {
+        let plain = |text: &str| text.to_lowercase().replace(['-', ' '], "_");
+        self.solvers.iter().find(|entry| entry.types.iter().any(|known| plain(known) == plain(name)))
     }
 }
 

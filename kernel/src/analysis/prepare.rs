@@ -70,6 +70,7 @@ impl Analysis {
         let clock = Clock { start, time: start, load_time: start, end, ..Clock::default() };
         warnings.extend(check_time_step(solver.as_mut(), &model, &clock, project.solver.as_ref())?);
         let restart = project.restart.as_ref().map(|settings| Restart::new(settings, &options.output));
+        let adjustable = project.solver.as_ref().map_or(Vec::new(), |settings| registry.adjustable_settings(settings));
         let (project, variables) = (project.root, registry.variables().to_vec());
         Ok(Self {
             model,
@@ -81,6 +82,7 @@ impl Analysis {
             restart,
             identity: serde_json::Value::Null,
             variables,
+            adjustable,
             warnings,
             resumed: false,
             stages: Vec::new(),
