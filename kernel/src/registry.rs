@@ -325,7 +325,7 @@ impl Registry {
         check_block(block)?;
         let name = block.text("python_module")?;
         let last = name.rsplit('.').next().unwrap_or(&name);
-        let Some(entry) = self.processes.iter().find(|e| e.name == last || e.aliases.contains(&last)) else {
+        let Some(entry) = self.process_named(&name) else {
             let place = block.child("python_module").unwrap_or_else(|| block.clone());
             let message = format!("there is no process {name:?}");
             return Err(place.error(message).allowed(last, self.processes.iter().map(|e| e.name)).into());
@@ -383,11 +383,16 @@ impl Registry {
         }
     }
 
-    /// The names of the solver's settings of which a run that has failed may be resumed with other values.
-    pub fn adjustable_settings(&self, settings: &Parameters) -> Vec<&'static str> {
+    /// The process of this name or old name; leading module names are ignored.
+    pub fn process_named(&self, name: &str) -> Option<&ProcessEntry> {
+        let last = name.rsplit('.').next().unwrap_or(name);
+        self.processes.iter().find(|entry| entry.name == last || entry.aliases.contains(&last))
+    }
+
+    /// The keys of the solver that these settings choose; none if they choose none.
+    pub fn solver_keys(&self, settings: &Parameters) -> &'static [Key] {
         let entry = settings.text("solver_type").ok().and_then(|name| self.solver_of_type(&name));
-        let keys = entry.map_or(&[][..], |entry| entry.keys);
-        keys.iter().filter(|key| key.adjustable).map(|key| key.name).collect()
+        entry.map_or(&[], |entry| entry.keys)
     }
 
     fn solver_of_type(&self, name: &str) -> Option<&SolverEntry> {

@@ -8,6 +8,7 @@ mod failures;
 mod materials;
 mod meshes;
 mod mutations;
+mod old_names;
 mod policies;
 mod processes;
 mod project;

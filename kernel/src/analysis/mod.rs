@@ -2,6 +2,7 @@
 
 mod account;
 mod checkpoints;
+mod old_names;
 mod prepare;
 mod project;
 mod restart;
@@ -117,6 +118,17 @@ impl Analysis {
             }
         }
         Some(clock.step)
+    }
+
+    /// That the first step is above the stable one, where that is known before the run: motion that
+    /// begins with the run lowers it further.
+    pub fn unstable_step(&mut self) -> Option<Diagnostic> {
+        // A step that is a share of the stable one is never above it.
+        let stable = self.solver.stable_time_step(&self.model).filter(|_| self.solver.plans_steps())?;
+        let step = self.solver.time_step(&self.model, &self.clock).ok().filter(|step| *step > stable)?;
+        let place = self.project.child("solver_settings")?.child("time_stepping")?;
+        let message = format!("the time step {step:.4e} s is above the stable one, {stable:.4e} s");
+        Some(place.warning(message).help("a smaller step, or \"time_step\": \"auto\""))
     }
 
     /// Runs to the end, or until the observer wants to stop.

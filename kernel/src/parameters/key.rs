@@ -5,7 +5,7 @@
 pub struct Key {
     /// Name, Kratos's where Kratos has one.
     pub name: &'static str,
-    /// Older names that mean the same.
+    /// Old names that mean the same; who uses one is told the present one, unless Kratos is repeated.
     pub aliases: &'static [&'static str],
     /// What values it takes.
     pub kind: Kind,
