@@ -13,4 +13,5 @@ mod policies;
 mod processes;
 mod project;
 mod rendering;
+mod solver_settings;
 mod variants;
