@@ -55,8 +55,6 @@ pub(super) struct Restart {
     pub files: Vec<PathBuf>,
     /// Time that writing took.
     pub cost: Duration,
-    /// Bytes of the last one.
-    pub bytes: u64,
 }
 
 impl Restart {
@@ -71,7 +69,6 @@ impl Restart {
             kept: None,
             files: Vec::new(),
             cost: Duration::ZERO,
-            bytes: 0,
         }
     }
 
@@ -116,7 +113,7 @@ impl Restart {
     ) -> Result<(), CheckpointError> {
         let begin = Instant::now();
         let path = self.place(clock)?;
-        self.bytes = file::write(&path, head(clock, identity), exchange)?;
+        file::write(&path, head(clock, identity), exchange)?;
         self.add(path);
         self.last = Instant::now();
         self.cost += begin.elapsed();
@@ -160,7 +157,7 @@ impl Restart {
         let mut head = head(&kept.clock, identity);
         let report = failure.report();
         head.insert(FAILURE.into(), json!({"step": report.step, "time": number(report.time), "what": report.what}));
-        self.bytes = file::write_kept(&path, head, &kept.contents)?;
+        file::write_kept(&path, head, &kept.contents)?;
         self.add(path.clone());
         Ok(Some((path, kept.clock)))
     }
