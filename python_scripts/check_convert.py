@@ -1,7 +1,7 @@
 """What `bia convert` writes is read by others: meshio, VTK, and Gmsh where it is installed.
 
-Usage: check_convert.py BIA FOLDER MESH...: converts each mesh to msh 2.2, msh 4.1, mdpa and vtu in FOLDER, reads
-each with the programs that know the format, and compares points, cells by kind, groups and the total measure.
+Usage: check_convert.py BIA FOLDER MESH...: converts each mesh to msh 2.2 and 4.1, as text and binary, mdpa and vtu in FOLDER,
+reads each with the programs that know the format, and compares points, cells by kind, groups and the total measure.
 """
 
 import pathlib
@@ -69,6 +69,7 @@ def main():
     faults, read = [], 0
     for mesh in meshes:
         files = [(f"{mesh.stem}_{v}.msh", ["--msh-version", v]) for v in ("2.2", "4.1")]
+        files += [(f"{mesh.stem}_binary_{v}.msh", ["--msh-version", v, "--msh-binary"]) for v in ("2.2", "4.1")]
         files += [(f"{mesh.stem}.mdpa", []), (f"{mesh.stem}.vtu", [])]
         results = {}
         for name, options in files:

@@ -26,6 +26,31 @@ fn each_template_is_a_project_that_is_right() {
     assert!(text(&again.stderr).contains("is there already"));
 }
 
+/// A step above the stable one is told before the run, one below it is not, by the measure of each method.
+#[test]
+fn check_tells_a_step_above_the_stable_one() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let told = |project: &str, step: f64| {
+        let set = format!("/solver_settings/time_stepping/time_step={step:e}");
+        let checked = bia(root, &["check", project, "--set", &set]);
+        let said = text(&checked.stderr);
+        assert!(checked.status.success(), "{said}");
+        let (_, stable) = said.split_once("is above the stable one, ")?;
+        Some(stable.split_whitespace().next().unwrap().parse::<f64>().unwrap())
+    };
+    for project in [
+        "examples/colliding_discs/ProjectParameters.json",
+        "examples/tlmpm_step_bar/ProjectParameters.json",
+        "tests/survey/X01/ProjectParameters_fem.json",
+        "tests/survey/X01/ProjectParameters_dgmpm.json",
+    ] {
+        let stable = told(project, 1.0).unwrap_or_else(|| panic!("{project}: a step of 1 s is not told"));
+        // The number is rounded to five digits.
+        assert_eq!(told(project, 0.9999 * stable), None, "{project}, {stable}");
+        assert!(told(project, 1.0001 * stable).is_some(), "{project}, {stable}");
+    }
+}
+
 /// Each scene shows what it has and what it does without.
 #[test]
 fn explain_shows_columns_and_what_is_left_out() {

@@ -195,6 +195,21 @@ fn the_automatic_step_is_the_stable_one() {
     assert_eq!(record.states().len(), 5);
 }
 
+/// Before the run, when no point moves yet: h/c = 0.05 s.
+#[test]
+fn check_knows_the_stable_step() {
+    let told = |step: f64| {
+        let folder = TempDir::new().unwrap();
+        bar(20, 10.0, explicit(SCHEMES[2], step)).write(folder.path());
+        let mut command = Command::new(env!("CARGO_BIN_EXE_bia"));
+        let output = command.current_dir(folder.path()).args(["check", "ProjectParameters.json"]).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8_lossy(&output.stderr).into_owned()
+    };
+    assert!(told(0.0501).contains("5.0100e-2 s is above the stable one, 5.0000e-2 s"), "{}", told(0.0501));
+    assert!(!told(0.0499).contains("stable"), "{}", told(0.0499));
+}
+
 #[test]
 fn an_unstable_run_stops_and_names_the_step_it_needs() {
     let scene = |policy: &str| {

@@ -22,6 +22,9 @@ pub struct ConvertArguments {
     /// Version of .msh files
     #[arg(long, value_enum, default_value = "4.1", value_name = "VERSION")]
     msh_version: MshVersion,
+    /// Write .msh files in binary form
+    #[arg(long)]
+    msh_binary: bool,
     /// Write .vtu files with real numbers of 32 bits
     #[arg(long)]
     single_precision: bool,
@@ -46,6 +49,7 @@ pub fn convert(arguments: &ConvertArguments, registry: &Registry) -> ExitCode {
     let options = Options {
         element_prefix: arguments.element_prefix.clone(),
         msh: if arguments.msh_version == MshVersion::V2 { Version::V2 } else { Version::V4 },
+        msh_binary: arguments.msh_binary,
         single_precision: arguments.single_precision,
     };
     let (from, to) = (&arguments.input, &arguments.output);

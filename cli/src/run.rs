@@ -153,6 +153,9 @@ pub fn check(arguments: &ProjectArguments, registry: &Registry) -> ExitCode {
             if let Some(steps) = analysis.planned_steps() {
                 report::say!("  {:24} {steps}", "steps");
             }
+            if let Some(warning) = analysis.unstable_step() {
+                report::complain!("warning: {warning}");
+            }
             report::say!("The input is right.");
             ExitCode::SUCCESS
         }

@@ -325,7 +325,7 @@ impl Registry {
         check_block(block)?;
         let name = block.text("python_module")?;
         let last = name.rsplit('.').next().unwrap_or(&name);
-        let Some(entry) = self.processes.iter().find(|e| e.name == last || e.aliases.contains(&last)) else {
+        let Some(entry) = self.process_named(&name) else {
             let place = block.child("python_module").unwrap_or_else(|| block.clone());
             let message = format!("there is no process {name:?}");
             return Err(place.error(message).allowed(last, self.processes.iter().map(|e| e.name)).into());
@@ -368,20 +368,36 @@ impl Registry {
     /// # Errors
     /// An unknown type, or faults of the settings.
     pub fn build_solver(&self, settings: &Parameters, options: &RunOptions) -> Result<Box<dyn Solver>, InputErrors> {
-        let plain = |text: &str| text.to_lowercase().replace(['-', ' '], "_");
         let names = || self.solvers.iter().flat_map(|e| e.types.iter().copied());
         if settings.value().is_object() && settings.child("solver_type").is_none() {
             let list = names().collect::<Vec<_>>().join(", ");
             return Err(settings.error("\"solver_type\" is missing").help(format!("allowed: {list}")).into());
         }
         let name = settings.text("solver_type")?;
-        match self.solvers.iter().find(|e| e.types.iter().any(|t| plain(t) == plain(&name))) {
+        match self.solver_of_type(&name) {
             Some(entry) => (entry.build)(settings, self, options),
             None => {
                 let place = settings.child("solver_type").unwrap_or_else(|| settings.clone());
                 Err(place.error(format!("there is no solver type {name:?}")).allowed(&name, names()).into())
             }
         }
+    }
+
+    /// The process of this name or old name; leading module names are ignored.
+    pub fn process_named(&self, name: &str) -> Option<&ProcessEntry> {
+        let last = name.rsplit('.').next().unwrap_or(name);
+        self.processes.iter().find(|entry| entry.name == last || entry.aliases.contains(&last))
+    }
+
+    /// The keys of the solver that these settings choose; none if they choose none.
+    pub fn solver_keys(&self, settings: &Parameters) -> &'static [Key] {
+        let entry = settings.text("solver_type").ok().and_then(|name| self.solver_of_type(&name));
+        entry.map_or(&[], |entry| entry.keys)
+    }
+
+    fn solver_of_type(&self, name: &str) -> Option<&SolverEntry> {
+        let plain = |text: &str| text.to_lowercase().replace(['-', ' '], "_");
+        self.solvers.iter().find(|entry| entry.types.iter().any(|known| plain(known) == plain(name)))
     }
 }
 

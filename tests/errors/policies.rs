@@ -1,7 +1,7 @@
 //! What a run does with points that leave the grid and with steps that do not converge, as the project
 //! asks for it.
 
-use super::base::{BODY, PROJECT, Scene, mesh, part};
+use super::base::{BODY, MATERIALS, PROJECT, Scene, mesh, part};
 use serde_json::Value;
 use std::process::Command;
 use tempfile::TempDir;
@@ -129,6 +129,40 @@ fn clamped_points_stay_with_all_their_mass() {
         let momentum: f64 = column(&record, "MP_VELOCITY").iter().map(|v| 15.625 * v[0]).sum();
         assert!(momentum < 250.0 * (1.0 - 1e-3), "the border has taken no momentum: {momentum}");
     }
+}
+
+/// Points without stiffness that fly aslant to a smooth wall: those that reach it stop across it and go on
+/// along it, and the velocity of the others stays what it was. One of four columns reaches it.
+#[test]
+fn clamped_points_lose_their_momentum_across_the_border_and_no_other() {
+    let [across, along, end, step] = [0.96, 0.28, 0.45, 0.002];
+    let scene = flying("\"lost_points\": \"clamp\"", true).replace(MATERIALS, "1e6", "1e-9").replace(
+        PROJECT,
+        "[1.0, 0.0, 0.0]",
+        "[0.96, 0.28, 0.0]",
+    );
+    let Run { code, words, record } = run(&scene);
+    assert_eq!(code, Some(0), "{words}");
+    let first = &record["snapshots"][0]["mp"]["MP_COORD"];
+    let begin = |point: usize, axis: usize| first[point][axis].as_f64().unwrap();
+    let (places, velocities) = (column(&record, "MP_COORD"), column(&record, "MP_VELOCITY"));
+    let mut stopped = 0;
+    for (point, (x, v)) in places.iter().zip(&velocities).enumerate() {
+        let reaches = begin(point, 0) + across * end > 1.0;
+        stopped += usize::from(reaches);
+        let speed = if reaches { 0.0 } else { across };
+        for (found, expected) in [x[1] - begin(point, 1), v[0], v[1]].into_iter().zip([along * end, speed, along]) {
+            assert!((found - expected).abs() < 1e-12, "point {point}: {x:?} {v:?}, {found} is not {expected}");
+        }
+        // What stands still is carried out again by its neighbours, a step at most.
+        assert!(!reaches || (1.0..1.0 + across * step).contains(&x[0]), "point {point} at {x:?}");
+    }
+    assert_eq!(stopped, 4);
+    let momentum = |axis: usize| velocities.iter().map(|v| 15.625 * v[axis]).sum::<f64>();
+    assert!((momentum(0) - 0.75 * 250.0 * across).abs() < 1e-9, "the wall takes a quarter: {}", momentum(0));
+    assert!((momentum(1) - 250.0 * along).abs() < 1e-9, "and nothing along it: {}", momentum(1));
+    let mass: f64 = column(&record, "MP_MASS").iter().map(|m| m[0]).sum();
+    assert!((mass - 250.0).abs() < 1e-9, "{mass}");
 }
 
 /// Each material point belongs to one cell, also where it lies on a face or a node: the masses of the nodes

@@ -172,6 +172,71 @@ fn loads_on_conditions() {
     ]);
 }
 
+/// Replaces the gravity process by a deformation at the start.
+fn deform(scene: Scene, members: &str) -> Scene {
+    let module = "assign_initial_deformation_to_material_point_process";
+    scene.replace(PROJECT, "assign_gravity_to_material_point_process", module).replace(
+        PROJECT,
+        "\"modulus\": 9.81,\n                \"direction\": [0.0, -1.0, 0.0]",
+        members,
+    )
+}
+
+#[test]
+fn initial_deformations() {
+    refuse(&[
+        (
+            "neither",
+            |s| {
+                deform(s, "\"cauchy_stress\": [0, 0, 0]").replace(
+                    PROJECT,
+                    ",\n                \"cauchy_stress\": [0, 0, 0]",
+                    "",
+                )
+            },
+            &["names neither \"deformation_gradient\" nor \"cauchy_stress\""],
+        ),
+        (
+            "both",
+            |s| deform(s, "\"cauchy_stress\": [0, 0, 0], \"deformation_gradient\": [1, 0, 0, 0, 1, 0, 0, 0, 1]"),
+            &["/cauchy_stress", "stands beside \"deformation_gradient\""],
+        ),
+        (
+            "eight numbers",
+            |s| deform(s, "\"deformation_gradient\": [1, 0, 0, 0, 1, 0, 0, 0]"),
+            &["/deformation_gradient", "has 8 members, must have nine"],
+        ),
+        (
+            "six components in the plane",
+            |s| deform(s, "\"cauchy_stress\": [0, 0, 0, 0, 0, 0]"),
+            &["/cauchy_stress", "has 6 components, must have 3: xx, yy, xy"],
+        ),
+        (
+            "total frame",
+            |s| {
+                let total =
+                    s.replace(PROJECT, "\"max_iteration\"", "\"frame\": \"total_lagrangian\", \"max_iteration\"");
+                deform(total, "\"cauchy_stress\": [0, 0, 0]")
+            },
+            &["is for the updated frame"],
+        ),
+    ]);
+}
+
+/// What shows only at the points: a deformation that the plane does not have, a stress beyond the law.
+#[test]
+fn initial_deformations_that_cannot_be() {
+    for (members, says) in [
+        ("\"deformation_gradient\": [1, 0, 0, 0, 1, 0, 0, 0, 0.5]", "is no deformation in plane strain"),
+        ("\"deformation_gradient\": [-1, 0, 0, 0, 1, 0, 0, 0, 1]", "is no deformation in plane strain"),
+        ("\"cauchy_stress\": [\"log(x - 2)\", 0, 0]", "is not finite"),
+    ] {
+        let outcome = deform(Scene::base(), members).run(&[]);
+        assert_eq!(outcome.code, Some(3), "{}", outcome.stderr);
+        assert!(outcome.words().contains(says) && outcome.words().contains("material point "), "{}", outcome.stderr);
+    }
+}
+
 /// Replaces the table of energies by another output.
 fn output(scene: Scene, module: &str, parameters: &str) -> Scene {
     scene.replace(PROJECT, "mpm_write_energy_output_process", module).replace(

@@ -11,6 +11,7 @@ mod cells;
 mod common;
 mod dgmpm;
 mod explicit;
+mod failures;
 mod faults;
 mod implicit;
 mod kills;

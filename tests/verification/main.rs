@@ -7,6 +7,7 @@ mod common;
 mod conservation;
 mod faces;
 mod free_fall;
+mod initial_deformation;
 mod manufactured;
 mod modes;
 mod patch;

@@ -247,7 +247,11 @@ fn read_entry(entry: &Parameters, catalogue: &Catalogue) -> Result<(String, Prop
 }
 
 fn read_variable(name: &str, value: &Parameters, catalogue: &Catalogue) -> Result<(String, Value), InputErrors> {
-    let name = if name == "PARTICLES_PER_ELEMENT" { "MATERIAL_POINTS_PER_ELEMENT" } else { name };
+    let mut name = name;
+    if name == "PARTICLES_PER_ELEMENT" {
+        name = "MATERIAL_POINTS_PER_ELEMENT";
+        tracing::warn!("{}", value.warning(format!("\"PARTICLES_PER_ELEMENT\" is an old name of {name:?}")));
+    }
     let last = name.rsplit('.').next().unwrap_or(name);
     let laws = || {
         catalogue

@@ -60,7 +60,7 @@ pub const KEYS: &[Key] = &[
         "the stable Courant number, if it is known: spares its analysis at the start",
     ),
     Key::new("transmitting_parts", Kind::Texts, "[]", "parts of the mesh through whose boundary faces waves leave"),
-    Key::required("time_stepping", Kind::Object(TIME_STEPPING), "the time step [s]"),
+    Key::required("time_stepping", Kind::Object(TIME_STEPPING), "the time step [s]").adjustable(),
     Key::new("model_import_settings", Kind::Object(MESH_IMPORT), "{}", "mesh of the cells"),
     Key::new("material_import_settings", Kind::Object(MATERIAL_IMPORT), "{}", "materials"),
 ];

@@ -245,8 +245,12 @@ impl Solver for Structural {
         self.settings.stepping.step(clock, stable)
     }
 
-    fn stable_time_step(&self, _: &Model) -> Option<f64> {
-        matches!(self.settings.regime, Regime::Explicit { .. }).then(|| self.stability.last()).flatten()
+    fn stable_time_step(&self, model: &Model) -> Option<f64> {
+        if !matches!(self.settings.regime, Regime::Explicit { .. }) {
+            return None;
+        }
+        let at_first = || Stability::at_first(&self.step(model, 0.0).ok()?, &self.state.displacement);
+        self.stability.last().or_else(at_first)
     }
 
     fn on_no_convergence(&self) -> OnNoConvergence {

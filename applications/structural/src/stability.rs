@@ -42,6 +42,12 @@ impl Stability {
         (self.step > 0.0 && self.step.is_finite()).then_some(self.step)
     }
 
+    /// The stable step in seconds before the run, if the body has stiffness.
+    pub fn at_first(step: &Step, displacements: &[f64]) -> Option<f64> {
+        let (stable, _) = stable_step(step, displacements).ok()?;
+        stable.is_finite().then_some(stable)
+    }
+
     /// The stable step in seconds at these displacements; infinite without stiffness.
     ///
     /// # Errors

@@ -1,6 +1,8 @@
 //! The analysis: builds what a project names and drives it through time in Kratos's order.
 
 mod account;
+mod checkpoints;
+mod old_names;
 mod prepare;
 mod project;
 mod restart;
@@ -14,7 +16,7 @@ pub use schema::{project_keys, project_schema};
 
 use crate::diagnostic::{Diagnostic, Place};
 use crate::error::{Error, Failure};
-use crate::io::checkpoint::{Archive, CheckpointError, Contents, file};
+use crate::io::checkpoint::{Archive, Contents, file};
 use crate::model::Model;
 use crate::parameters::Parameters;
 use crate::processes::{Clock, Context, Process, Results, RunOptions};
@@ -60,6 +62,8 @@ pub struct Analysis {
     identity: serde_json::Value,
     /// All that there are, so that columns of a checkpoint find their names.
     variables: Vec<Variable>,
+    /// Settings of the solver that may change where a run has failed.
+    adjustable: Vec<&'static str>,
     warnings: Vec<String>,
     resumed: bool,
     stages: Vec<(&'static str, Duration)>,
@@ -116,6 +120,17 @@ impl Analysis {
         Some(clock.step)
     }
 
+    /// That the first step is above the stable one, where that is known before the run: motion that
+    /// begins with the run lowers it further.
+    pub fn unstable_step(&mut self) -> Option<Diagnostic> {
+        // A step that is a share of the stable one is never above it.
+        let stable = self.solver.stable_time_step(&self.model).filter(|_| self.solver.plans_steps())?;
+        let step = self.solver.time_step(&self.model, &self.clock).ok().filter(|step| *step > stable)?;
+        let place = self.project.child("solver_settings")?.child("time_stepping")?;
+        let message = format!("the time step {step:.4e} s is above the stable one, {stable:.4e} s");
+        Some(place.warning(message).help("a smaller step, or \"time_step\": \"auto\""))
+    }
+
     /// Runs to the end, or until the observer wants to stop.
     ///
     /// # Errors
@@ -138,12 +153,12 @@ impl Analysis {
         record: Option<RecordPlan>,
         resumes: bool,
     ) -> Result<Account, Error> {
-        let planned = self.planned_steps();
         if let Some(plan) = record.as_ref().filter(|plan| self.project.is_input(&plan.path)) {
             let message = format!("the record {} would overwrite an input file", plan.path.display());
             return Err(Diagnostic::error(Place::default(), message).into());
         }
         let checkpoint = self.choose_checkpoint(record.as_ref(), resumes)?;
+        let planned = self.planned_steps();
         // What an earlier run left must not be taken for this one's.
         let _ = std::fs::remove_file(self.options.output.join(FAILED_STATE));
         let keeps = self.restart.is_some();
@@ -177,7 +192,7 @@ impl Analysis {
     }
 
     /// Adds to a failure when it happened, and where the state was saved.
-    fn complete(&self, mut failure: Failure) -> Failure {
+    fn complete(&mut self, mut failure: Failure) -> Failure {
         failure.stamp(self.clock.step, self.clock.time);
         failure = failure.detail(match self.solver.save_state(&self.model, &self.options.output) {
             Ok(files) => {
@@ -186,10 +201,7 @@ impl Analysis {
             }
             Err(error) => format!("the state could not be saved: {error}"),
         });
-        match self.restart.as_ref().and_then(|restart| restart.files.last()) {
-            Some(newest) => failure.detail(format!("the newest checkpoint is {}", newest.display())),
-            None => failure,
-        }
+        self.save_before(failure)
     }
 
     /// What is told of a run that has ended without an error.
@@ -201,7 +213,7 @@ impl Analysis {
         account.stages.splice(1..2, self.solver.stages());
         account.energies = self.solver.energies(&self.model);
         account.files = self.processes.iter().flat_map(|p| p.files()).collect();
-        if let Some(restart) = self.restart.as_ref().filter(|restart| restart.bytes > 0) {
+        if let Some(restart) = self.restart.as_ref().filter(|restart| !restart.cost.is_zero()) {
             account.stages.push(("checkpoints", restart.cost));
         }
         if account.interrupted {
@@ -244,68 +256,6 @@ impl Analysis {
         told
     }
 
-    /// The checkpoint to go on from, if any; else those of earlier runs are removed.
-    fn choose_checkpoint(&mut self, record: Option<&RecordPlan>, resumes: bool) -> Result<Option<Contents>, Error> {
-        if self.restart.is_none() && !resumes {
-            return Ok(None);
-        }
-        let record = record.map_or(serde_json::Value::Null, |plan| plan.states.into());
-        let (sum, exact) = (self.model.mesh_sum(), self.options.kratos_exact);
-        self.identity = restart::identity(&self.project, sum, exact, record);
-        let (output, identity) = (&self.options.output, &self.identity);
-        let found = if resumes { Some(restart::newest(output, identity)?) } else { None };
-        match (&mut self.restart, &found) {
-            (Some(restart), Some(_)) => restart.adopt(),
-            (Some(restart), None) => restart.clear()?,
-            _ => {}
-        }
-        Ok(found.map(|(path, contents)| {
-            tracing::info!("resumed from {}", path.display());
-            contents
-        }))
-    }
-
-    /// Saves or loads all that the run keeps from step to step.
-    fn exchange(
-        &mut self,
-        archive: &mut Archive,
-        account: &mut Account,
-        recorder: &mut Option<Recorder>,
-    ) -> Result<(), CheckpointError> {
-        archive.section("analysis", |archive| {
-            let clock = &mut self.clock;
-            archive.count("step", &mut clock.step)?;
-            archive.number("time", &mut clock.time)?;
-            archive.number("time_step", &mut clock.time_step)?;
-            archive.number("load_time", &mut clock.load_time)?;
-            account.exchange(archive)?;
-            recorder.as_mut().map_or(Ok(()), |recorder| recorder.exchange(archive))
-        })?;
-        archive.section("model", |archive| self.model.exchange_state(archive, &self.variables))?;
-        archive.section("solver", |archive| self.solver.exchange_state(&mut self.model, archive))?;
-        for (index, process) in self.processes.iter_mut().enumerate() {
-            let name = format!("process {index}: {}", process.name());
-            archive.section(&name, |archive| process.exchange_state(archive))?;
-        }
-        Ok(())
-    }
-
-    /// Writes a checkpoint, if the project asks for any and one is due or the run stops.
-    fn save_checkpoint(
-        &mut self,
-        account: &mut Account,
-        recorder: &mut Option<Recorder>,
-        stops: bool,
-    ) -> Result<(), Error> {
-        let Some(mut restart) = self.restart.take_if(|restart| stops || restart.is_due(&self.clock)) else {
-            return Ok(());
-        };
-        let (clock, identity) = (self.clock, std::mem::take(&mut self.identity));
-        let saved = restart.save(&clock, &identity, &mut |archive| self.exchange(archive, account, recorder));
-        (self.restart, self.identity) = (Some(restart), identity);
-        Ok(saved?)
-    }
-
     /// Brings the scene to its start, or to the state of a checkpoint.
     fn begin(
         &mut self,
@@ -340,6 +290,7 @@ impl Analysis {
     ) -> Result<(), Error> {
         self.stages = vec![("processes", Duration::ZERO), ("solver", Duration::ZERO), ("output", Duration::ZERO)];
         self.begin(account, recorder, checkpoint)?;
+        self.keep_state(account, recorder)?;
         account.start_loop();
         while self.clock.time < self.clock.end {
             let step = self.solver.time_step(&self.model, &self.clock)?;

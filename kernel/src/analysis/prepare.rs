@@ -1,5 +1,6 @@
 //! From the project to the analysis: every fault that can be found is told, and nothing is written.
 
+use super::old_names::old_names;
 use super::restart::Restart;
 use super::{Analysis, Project};
 use crate::diagnostic::{Diagnostic, InputErrors, Place, Severity};
@@ -43,8 +44,9 @@ impl Analysis {
         }
         let mut warnings = project.warnings.clone();
         warnings.extend(idle_intervals(&project));
-        if options.kratos_exact {
-            warnings.push(KRATOS_EXACT.into());
+        match options.kratos_exact {
+            true => warnings.push(KRATOS_EXACT.into()),
+            false => warnings.extend(old_names(&project, registry)),
         }
         for part in model.parts_mut() {
             warnings.extend(part.apply_data(registry));
@@ -70,6 +72,8 @@ impl Analysis {
         let clock = Clock { start, time: start, load_time: start, end, ..Clock::default() };
         warnings.extend(check_time_step(solver.as_mut(), &model, &clock, project.solver.as_ref())?);
         let restart = project.restart.as_ref().map(|settings| Restart::new(settings, &options.output));
+        let keys = project.solver.as_ref().map_or(&[][..], |settings| registry.solver_keys(settings));
+        let adjustable = keys.iter().filter(|key| key.adjustable).map(|key| key.name).collect();
         let (project, variables) = (project.root, registry.variables().to_vec());
         Ok(Self {
             model,
@@ -81,6 +85,7 @@ impl Analysis {
             restart,
             identity: serde_json::Value::Null,
             variables,
+            adjustable,
             warnings,
             resumed: false,
             stages: Vec::new(),

@@ -1,7 +1,8 @@
 //! Checkpoints of a run: when they are written, which one is taken up, and whether it fits.
 
+use super::account::number;
 use crate::diagnostic::{Diagnostic, InputErrors, Place};
-use crate::error::Error;
+use crate::error::{Error, Failure};
 use crate::io::checkpoint::{Archive, CheckpointError, Contents, file};
 use crate::io::files::remove_unfinished;
 use crate::parameters::{Key, Kind, Parameters, Range, Settings};
@@ -20,12 +21,26 @@ pub(super) const RESTART: &[Key] = &[
     Key::new("keep", Kind::Integer { min: 1 }, "2", "checkpoints that are kept, the newest ones"),
 ];
 
+/// Member of the header that says how the run failed before which the state was saved.
+const FAILURE: &str = "failure";
+
 /// Beginning and end of the names of checkpoints, around the step.
 const STEM: &str = "step_";
 const EXTENSION: &str = "checkpoint";
 
 /// Members of the project that say where inputs stand whose content matters.
 const INPUT_KEYS: &[&str] = &["materials_filename", "filename", "input_filename", "input_file_name"];
+
+/// The state in memory costs at most one part in so many of the run's time.
+const SHARE: u32 = 50;
+
+/// A state in memory.
+struct Kept {
+    clock: Clock,
+    contents: Contents,
+    since: Instant,
+    cost: Duration,
+}
 
 /// Writes checkpoints.
 pub(super) struct Restart {
@@ -34,12 +49,12 @@ pub(super) struct Restart {
     every: Option<Duration>,
     keep: usize,
     last: Instant,
+    /// The state that is saved if the run fails: not older than the newest checkpoint.
+    kept: Option<Kept>,
     /// Checkpoints of this run, the oldest first.
     pub files: Vec<PathBuf>,
     /// Time that writing took.
     pub cost: Duration,
-    /// Bytes of the last one.
-    pub bytes: u64,
 }
 
 impl Restart {
@@ -51,9 +66,9 @@ impl Restart {
             every: settings.given("every_seconds").then(|| Duration::from_secs_f64(settings.number("every_seconds"))),
             keep: settings.integer("keep") as usize,
             last: Instant::now(),
+            kept: None,
             files: Vec::new(),
             cost: Duration::ZERO,
-            bytes: 0,
         }
     }
 
@@ -97,26 +112,82 @@ impl Restart {
         exchange: &mut dyn FnMut(&mut Archive) -> Result<(), CheckpointError>,
     ) -> Result<(), CheckpointError> {
         let begin = Instant::now();
-        let folder = &self.folder;
-        let failed = |source| CheckpointError::File { path: folder.clone(), source };
-        std::fs::create_dir_all(folder).map_err(failed)?;
-        let path = folder.join(format!("{STEM}{:010}.{EXTENSION}", clock.step));
-        let mut head = Map::new();
-        head.insert("bia_version".into(), env!("CARGO_PKG_VERSION").into());
-        head.insert("step".into(), clock.step.into());
-        head.insert("time".into(), clock.time.into());
-        head.insert("identity".into(), identity.clone());
-        self.bytes = file::write(&path, head, exchange)?;
+        let path = self.place(clock)?;
+        file::write(&path, head(clock, identity), exchange)?;
+        self.add(path);
+        self.last = Instant::now();
+        self.cost += begin.elapsed();
+        Ok(())
+    }
+
+    /// Whether the state in memory is so old that another one costs next to nothing.
+    pub fn is_stale(&self) -> bool {
+        self.kept.as_ref().is_none_or(|kept| kept.since.elapsed() >= kept.cost * SHARE)
+    }
+
+    /// Keeps the state in memory, in place of the one before.
+    ///
+    /// # Errors
+    /// Those of components that cannot be saved.
+    pub fn keep(
+        &mut self,
+        clock: &Clock,
+        exchange: &mut dyn FnMut(&mut Archive) -> Result<(), CheckpointError>,
+    ) -> Result<(), CheckpointError> {
+        let begin = Instant::now();
+        let spare = self.kept.take().map_or_else(Contents::default, |kept| kept.contents);
+        let contents = file::keep(spare, exchange)?;
+        let cost = begin.elapsed();
+        self.kept = Some(Kept { clock: *clock, contents, since: Instant::now(), cost });
+        self.cost += cost;
+        Ok(())
+    }
+
+    /// Writes the state in memory as a checkpoint of a failed run; none if there is no such state.
+    ///
+    /// # Errors
+    /// Those of the file system.
+    pub fn save_kept(
+        &mut self,
+        identity: &Value,
+        failure: &Failure,
+    ) -> Result<Option<(PathBuf, Clock)>, CheckpointError> {
+        let Some(kept) = self.kept.take() else { return Ok(None) };
+        let path = self.place(&kept.clock)?;
+        let mut head = head(&kept.clock, identity);
+        let report = failure.report();
+        head.insert(FAILURE.into(), json!({"step": report.step, "time": number(report.time), "what": report.what}));
+        file::write_kept(&path, head, &kept.contents)?;
+        self.add(path.clone());
+        Ok(Some((path, kept.clock)))
+    }
+
+    /// The file of a checkpoint, in a folder that is there.
+    fn place(&self, clock: &Clock) -> Result<PathBuf, CheckpointError> {
+        let failed = |source| CheckpointError::File { path: self.folder.clone(), source };
+        std::fs::create_dir_all(&self.folder).map_err(failed)?;
+        Ok(self.folder.join(format!("{STEM}{:010}.{EXTENSION}", clock.step)))
+    }
+
+    /// Takes note of a new checkpoint and removes those that are too many.
+    fn add(&mut self, path: PathBuf) {
         self.files.retain(|other| *other != path);
         self.files.push(path);
         while self.files.len() > self.keep {
             // A file that stays is no fault of the run.
             let _ = std::fs::remove_file(self.files.remove(0));
         }
-        self.last = Instant::now();
-        self.cost += begin.elapsed();
-        Ok(())
     }
+}
+
+/// What the header of a checkpoint says of it.
+fn head(clock: &Clock, identity: &Value) -> Map<String, Value> {
+    let mut head = Map::new();
+    head.insert("bia_version".into(), env!("CARGO_PKG_VERSION").into());
+    head.insert("step".into(), clock.step.into());
+    head.insert("time".into(), clock.time.into());
+    head.insert("identity".into(), identity.clone());
+    head
 }
 
 /// Whether a file of this name is a checkpoint.
@@ -138,13 +209,17 @@ fn checkpoints(folder: &Path) -> Vec<PathBuf> {
 ///
 /// # Errors
 /// There is none, or it is of another project.
-pub(super) fn newest(output: &Path, identity: &Value) -> Result<(PathBuf, Contents), Error> {
+pub(super) fn newest(
+    output: &Path,
+    identity: &Value,
+    adjustable: &[&'static str],
+) -> Result<(PathBuf, Contents), Error> {
     let folder = output.join(NAME);
     let found = checkpoints(&folder);
     for path in &found {
         match file::read(path) {
             Ok(contents) => {
-                check_identity(path, &contents, identity)?;
+                check_identity(path, &contents, identity, adjustable)?;
                 return Ok((path.clone(), contents));
             }
             Err(error) => tracing::warn!("{error}; an older one is looked for"),
@@ -158,17 +233,42 @@ pub(super) fn newest(output: &Path, identity: &Value) -> Result<(PathBuf, Conten
     Err(Diagnostic::error(Place::file(&folder), message).help(help).into())
 }
 
-fn check_identity(path: &Path, contents: &Contents, identity: &Value) -> Result<(), InputErrors> {
+/// Refuses the checkpoint of another project; of a run that has failed, `adjustable` settings may differ.
+fn check_identity(
+    path: &Path,
+    contents: &Contents,
+    identity: &Value,
+    adjustable: &[&'static str],
+) -> Result<(), InputErrors> {
     let stored = contents.head.get("identity").unwrap_or(&Value::Null);
     let version = contents.head.get("bia_version").and_then(Value::as_str).unwrap_or("unknown");
     if version != env!("CARGO_PKG_VERSION") {
         let own = env!("CARGO_PKG_VERSION");
         tracing::warn!("{} was written by Bia {version}, this is {own}: bits may differ", path.display());
     }
-    let Some((pointer, before, now)) = difference("", stored, identity) else { return Ok(()) };
+    let (mut stored, mut now) = (stored.clone(), identity.clone());
+    if contents.head.contains_key(FAILURE) {
+        let (before, after) = (split(&mut stored, adjustable), split(&mut now, adjustable));
+        for name in adjustable {
+            if let Some((pointer, before, after)) = difference(name, &before[*name], &after[*name]) {
+                tracing::warn!("resumed with another setting: {pointer} was {before}, and is now {after}");
+            }
+        }
+    }
+    let Some((pointer, before, now)) = difference("", &stored, &now) else { return Ok(()) };
     let message = format!("was written by another project: {pointer} was {before}, and is now {now}");
     let help = "restore what was changed, or start anew, without --resume";
     Err(Diagnostic::error(Place::file(path), message).help(help).into())
+}
+
+/// Takes these settings out of an identity.
+fn split(identity: &mut Value, adjustable: &[&'static str]) -> Value {
+    let mut taken = Map::new();
+    if let Some(settings) = identity.pointer_mut("/project/solver_settings").and_then(Value::as_object_mut) {
+        let found = adjustable.iter().filter_map(|name| Some(((*name).to_string(), settings.remove(*name)?)));
+        taken.extend(found);
+    }
+    taken.into()
 }
 
 /// The first place at which two values differ, with what stands there.

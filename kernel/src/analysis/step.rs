@@ -98,7 +98,7 @@ impl Analysis {
 
     /// The state from which a piece starts.
     fn keep(&mut self) -> Result<Contents, CheckpointError> {
-        file::keep(&mut |archive| self.exchange_kept(archive))
+        file::keep(Contents::default(), &mut |archive| self.exchange_kept(archive))
     }
 
     /// Processes keep nothing that a step that is taken back would change: they act at its end.

@@ -55,6 +55,8 @@ pub struct Options {
     pub element_prefix: String,
     /// Version of Gmsh's format.
     pub msh: gmsh::Version,
+    /// Write `.msh` files in binary form.
+    pub msh_binary: bool,
     /// Write real numbers of `.vtu` files in single precision.
     pub single_precision: bool,
 }
@@ -87,7 +89,7 @@ pub struct Written {
 /// The end of the name means no format, or the file cannot be written.
 pub fn write(part: &ModelPart, path: &Path, options: &Options) -> Result<Written, InputErrors> {
     let (written, losses) = match Format::of(path)? {
-        Format::Gmsh => (gmsh::write(part, path, options.msh), gmsh::losses(part)),
+        Format::Gmsh => (gmsh::write(part, path, options.msh, options.msh_binary), gmsh::losses(part)),
         Format::Mdpa => (mdpa::write(part, path), mdpa::losses(part)),
         Format::Vtu => {
             // Base64 is read by programs that take the file for XML, meshio among them.

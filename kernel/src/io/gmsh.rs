@@ -1,4 +1,4 @@
-//! Reader of Gmsh's mesh files (`.msh`), formats 2.2 and 4.1, as text or binary, and writer of them as text.
+//! Reader of Gmsh's mesh files (`.msh`), formats 2.2 and 4.1, as text or binary, and writer of them.
 //!
 //! The format is described in the Gmsh reference manual, section "File formats". Cells of the highest
 //! dimension become elements, those of lower dimension geometries; each physical group becomes a sub

@@ -5,7 +5,7 @@
 pub struct Key {
     /// Name, Kratos's where Kratos has one.
     pub name: &'static str,
-    /// Older names that mean the same.
+    /// Old names that mean the same; who uses one is told the present one, unless Kratos is repeated.
     pub aliases: &'static [&'static str],
     /// What values it takes.
     pub kind: Kind,
@@ -13,6 +13,9 @@ pub struct Key {
     pub default: Default,
     /// Meaning, with its unit.
     pub help: &'static str,
+    /// Whether a run that has failed may be resumed with another value: it says how steps are taken, not
+    /// what the state means.
+    pub adjustable: bool,
 }
 
 /// What a key takes.
@@ -100,17 +103,17 @@ pub enum Default {
 impl Key {
     /// A key that must be given.
     pub const fn required(name: &'static str, kind: Kind, help: &'static str) -> Key {
-        Key { name, aliases: &[], kind, default: Default::Required, help }
+        Key { name, aliases: &[], kind, default: Default::Required, help, adjustable: false }
     }
 
     /// A key with a default, written as JSON text.
     pub const fn new(name: &'static str, kind: Kind, default: &'static str, help: &'static str) -> Key {
-        Key { name, aliases: &[], kind, default: Default::Json(default), help }
+        Key { name, aliases: &[], kind, default: Default::Json(default), help, adjustable: false }
     }
 
     /// A key that may stay away.
     pub const fn optional(name: &'static str, kind: Kind, help: &'static str) -> Key {
-        Key { name, aliases: &[], kind, default: Default::Absent, help }
+        Key { name, aliases: &[], kind, default: Default::Absent, help, adjustable: false }
     }
 
     /// Two tables as one: the keys that several components share and those of one. `N` is `A + B`.
@@ -129,6 +132,13 @@ impl Key {
     #[must_use]
     pub const fn or(mut self, aliases: &'static [&'static str]) -> Key {
         self.aliases = aliases;
+        self
+    }
+
+    /// The same key, of which a failed run may be resumed with another value.
+    #[must_use]
+    pub const fn adjustable(mut self) -> Key {
+        self.adjustable = true;
         self
     }
 

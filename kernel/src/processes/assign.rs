@@ -74,11 +74,23 @@ const CONDITION_VECTOR: &[Key] = &[
 pub fn register(registry: &mut Registry) {
     let entry = |name, keys, help, build| ProcessEntry { name, aliases: &[], application: None, keys, help, build };
     registry.process(ProcessEntry {
-        aliases: &["fix_vector_variable_process", "apply_constant_vectorvalue_process"],
+        aliases: &["apply_constant_vectorvalue_process"],
         ..entry("assign_vector_variable_process", VECTOR, "assigns and fixes a vector on nodes", |b| {
             vector(b, Target::Nodes)
         })
     });
+    registry.process(entry(
+        "fix_vector_variable_process",
+        VECTOR,
+        "fixes a vector on nodes, at zero by default",
+        |b| vector(b, Target::Nodes),
+    ));
+    registry.process(entry(
+        "fix_scalar_variable_process",
+        SCALAR,
+        "fixes a scalar on nodes, at zero by default",
+        |b| scalar(b, Target::Nodes),
+    ));
     registry.process(entry(
         "assign_vector_by_direction_process",
         BY_DIRECTION,
@@ -86,7 +98,7 @@ pub fn register(registry: &mut Registry) {
         |b| by_direction(b, Target::Nodes),
     ));
     registry.process(ProcessEntry {
-        aliases: &["fix_scalar_variable_process", "apply_constant_scalarvalue_process"],
+        aliases: &["apply_constant_scalarvalue_process"],
         ..entry("assign_scalar_variable_process", SCALAR, "assigns and fixes a scalar on nodes", |b| {
             scalar(b, Target::Nodes)
         })

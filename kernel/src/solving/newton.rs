@@ -42,39 +42,46 @@ pub trait NonlinearSystem {
 
 /// Keys of the method in `solver_settings`.
 pub const CONVERGENCE: [Key; 8] = [
-    Key::new("analysis_type", Kind::Choice(&["non_linear", "linear"]), "\"non_linear\"", "Newton, or one solve a step"),
+    Key::new("analysis_type", Kind::Choice(&["non_linear", "linear"]), "\"non_linear\"", "Newton, or one solve a step")
+        .adjustable(),
     Key::new(
         "convergence_criterion",
         Kind::Choice(&["residual_criterion", "displacement_criterion", "and_criterion", "or_criterion"]),
         "\"residual_criterion\"",
         "when Newton stops",
-    ),
-    Key::new("displacement_relative_tolerance", Kind::Number(Range::NOT_NEGATIVE), "1e-4", "relative to the unknowns"),
+    )
+    .adjustable(),
+    Key::new("displacement_relative_tolerance", Kind::Number(Range::NOT_NEGATIVE), "1e-4", "relative to the unknowns")
+        .adjustable(),
     Key::new(
         "displacement_absolute_tolerance",
         Kind::Number(Range::NOT_NEGATIVE),
         "1e-9",
         "per root of the dofs [m]; counts where it is given, and with kratos_exact",
-    ),
+    )
+    .adjustable(),
     Key::new(
         "residual_relative_tolerance",
         Kind::Number(Range::NOT_NEGATIVE),
         "1e-4",
         "relative to the first residual",
-    ),
+    )
+    .adjustable(),
     Key::new(
         "residual_absolute_tolerance",
         Kind::Number(Range::NOT_NEGATIVE),
         "1e-9",
         "per dof [N]; counts where it is given, and with kratos_exact",
-    ),
-    Key::new("max_iteration", Kind::Integer { min: 1 }, "20", "most Newton iterations a step"),
+    )
+    .adjustable(),
+    Key::new("max_iteration", Kind::Integer { min: 1 }, "20", "most Newton iterations a step").adjustable(),
     Key::new(
         "on_no_convergence",
         Kind::Choice(&["continue", "cut_step", "error"]),
         "\"continue\"",
         "implicit: go on with a warning as Kratos does, take the step again in halves, or stop the run",
-    ),
+    )
+    .adjustable(),
 ];
 
 /// What becomes of a step that does not converge.

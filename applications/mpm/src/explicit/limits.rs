@@ -30,8 +30,19 @@ impl Limits {
 
     /// C h/(c ‖F⁻¹‖ + v); infinite while nothing moves and no wave runs, or before the run.
     pub fn stable_step(&self) -> f64 {
+        self.stable_step_of(self.smallest)
+    }
+
+    /// The same for cells of this smallest height.
+    pub fn stable_step_of(&self, smallest: f64) -> f64 {
         let speed = self.wave * self.shortening + self.point;
-        if self.sizes.is_empty() || speed <= 0.0 { f64::INFINITY } else { self.courant * self.smallest / speed }
+        if self.sizes.is_empty() || speed <= 0.0 { f64::INFINITY } else { self.courant * smallest / speed }
+    }
+
+    /// The smallest height among the cells of these points.
+    pub fn smallest_under(&self, points: &MaterialPoints) -> f64 {
+        let cells = points.blocks.iter().flat_map(|block| &block.cell);
+        cells.filter_map(|&cell| self.sizes.get(cell as usize)).fold(f64::INFINITY, |least, size| least.min(*size))
     }
 
     pub fn describe(&self) -> String {

@@ -337,9 +337,14 @@ impl Solver for Explicit {
         Ok(step)
     }
 
-    fn stable_time_step(&self, _: &Model) -> Option<f64> {
-        let stable = self.limits.stable_step();
-        (!self.active.cells.is_empty() && stable.is_finite()).then_some(stable)
+    fn stable_time_step(&self, model: &Model) -> Option<f64> {
+        // Before the run the points' cells stand with them alone.
+        let stable = match self.active.cells.is_empty() {
+            // Before the run the points alone know their cells.
+            true => self.limits.stable_step_of(self.limits.smallest_under(points_of(model)?)),
+            false => self.limits.stable_step(),
+        };
+        stable.is_finite().then_some(stable)
     }
 
     fn plans_steps(&self) -> bool {

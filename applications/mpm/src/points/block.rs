@@ -54,6 +54,8 @@ pub struct Block {
     pub density: f64,
     /// Extent across a plane mesh in m, across a line in m²; 1 in space.
     pub extent: f64,
+    /// An initial stress is given, which may hold the body forces: it does not start with their acceleration.
+    pub starts_stressed: bool,
     /// Body force per mass in m/s² that all points share.
     pub gravity: [f64; 3],
     /// Body force per mass in m/s² of each point beside gravity, if used.
@@ -159,7 +161,7 @@ impl Block {
     /// Lets a body at rest start with the acceleration of its body forces: let go without stress, it
     /// accelerates so from the first instant.
     pub fn start_with_body_acceleration(&mut self) {
-        if !self.acceleration.is_used() {
+        if !self.acceleration.is_used() || self.starts_stressed {
             return;
         }
         for point in 0..self.len() {

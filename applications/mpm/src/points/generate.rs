@@ -221,6 +221,7 @@ fn new_block(plan: &Plan, body: usize, id: u32, element: u32) -> Result<Block, I
             has_energy: !plan.kratos_exact && law.energy(&undeformed).is_some(),
             density: density(properties),
             extent: across.and_then(|name| properties.number(name)).unwrap_or(1.0),
+            starts_stressed: false,
             gravity: [0.0; 3],
             body_acceleration: Column::default(),
             transfer: Column::default(),

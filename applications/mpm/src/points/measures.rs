@@ -1,7 +1,7 @@
 //! Strains and stresses of a point in every measure, from its deformation gradient F and its stored
 //! Cauchy stress σ: computed where they are shown, so that no column holds them.
 
-use super::block::Block;
+use super::block::{Block, expand};
 use bia_constitutive::tensor::{displacement_gradient, stress_from_voigt, stress_to_voigt};
 use bia_constitutive::{Deformation, Kinematics, Voigt};
 use nalgebra::Matrix3;
@@ -50,11 +50,17 @@ pub fn cauchy_stress(block: &Block, point: usize) -> Matrix3<f64> {
 
 /// What the law answers for the present deformation; not a number if it has no answer.
 fn stress_at_rest(block: &Block, point: usize) -> Voigt {
-    let gradient = block.deformation_gradient(point);
+    stress_of(block, point, block.gradient.row(point), block.strain.row(point))
+}
+
+/// What the law answers for a point with these rows of deformation gradient and strain, at rest and with the
+/// point's history; not a number if it has no answer.
+pub fn stress_of(block: &Block, point: usize, gradient: &[f64], strain: &[f64]) -> Voigt {
+    let gradient = expand(gradient);
     let strain = block.law.uses_strain().then(|| {
-        let mut strain = [0.0; 6];
-        place(block, block.strain.row(point), &mut strain);
-        strain
+        let mut all = [0.0; 6];
+        place(block, strain, &mut all);
+        all
     });
     let pressure = block.pressure_of(point);
     // An infinite step: all rates are zero.

@@ -8,7 +8,7 @@ pub mod fields;
 mod generate;
 mod layout;
 pub mod lost;
-mod measures;
+pub mod measures;
 mod read;
 #[cfg(test)]
 mod tests;

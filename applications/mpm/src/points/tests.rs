@@ -37,6 +37,7 @@ fn block(body: usize, ids: Vec<u32>) -> Block {
         moments: false,
         density: 3.0,
         extent: 1.0,
+        starts_stressed: false,
         gravity: [0.1, -0.2, -9.81],
         body_acceleration: column(3, count, seed + 1),
         transfer: column(9, count, seed + 2),

@@ -4,6 +4,7 @@ mod acceleration;
 mod body_acceleration;
 mod energy;
 mod extrapolate;
+mod initial_deformation;
 mod json;
 mod measure;
 mod neumann;
@@ -16,6 +17,7 @@ use bia_kernel::registry::Registry;
 pub fn register(registry: &mut Registry) {
     acceleration::register(registry);
     body_acceleration::register(registry);
+    initial_deformation::register(registry);
     neumann::register(registry);
     slip::register(registry);
     energy::register(registry);

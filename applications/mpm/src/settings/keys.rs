@@ -64,7 +64,7 @@ pub const KEYS: &[Key] = &Key::join::<8, 46, 54>(
             "0.0",
             "of the partitioned quadrature",
         ),
-        Key::new("damp_factor_m", Kind::Number(Range::NOT_POSITIVE), "-0.3", "Bossak's alpha"),
+        Key::new("damp_factor_m", Kind::Number(Range::NOT_POSITIVE), "-0.3", "Bossak's alpha").adjustable(),
         Key::new("newmark_beta", Kind::Number(Range::POSITIVE), "0.25", "Newmark's beta for alpha = 0"),
         Key::new(
             "point_velocity_rule",
@@ -72,7 +72,7 @@ pub const KEYS: &[Key] = &Key::join::<8, 46, 54>(
             "\"trapezoidal\"",
             "weight of the new acceleration in a point's velocity: 1/2 as in Kratos, or the scheme's gamma",
         ),
-        Key::required("time_stepping", Kind::Object(TIME_STEPPING), "the time step [s]"),
+        Key::required("time_stepping", Kind::Object(TIME_STEPPING), "the time step [s]").adjustable(),
         Key::new("compute_reactions", Kind::Bool, "false", "compute REACTION on fixed nodes"),
         Key::new("pressure_dofs", Kind::Bool, "false", "mixed displacement-pressure formulation"),
         Key::new(
@@ -158,8 +158,9 @@ pub const KEYS: &[Key] = &Key::join::<8, 46, 54>(
             Kind::Choice(&["erase", "error", "clamp"]),
             "what becomes of points that leave the grid: erased with their mass (as remove_entities_not_found has \
              it by default), the run stops, or they go back to the border as to a smooth wall",
-        ),
-        Key::optional("linear_solver_settings", Kind::Any, "the linear solver"),
+        )
+        .adjustable(),
+        Key::optional("linear_solver_settings", Kind::Any, "the linear solver").adjustable(),
         Key::new("element_search_settings", Kind::Object(SEARCH), "{}", "the search"),
         Key::new("model_import_settings", Kind::Object(MESH_IMPORT), "{}", "mesh of the bodies")
             .or(&["initial_model_import_settings"]),

@@ -23,14 +23,40 @@ pub fn write(
     head: Map<String, Value>,
     exchange: &mut dyn FnMut(&mut Archive) -> Result<(), CheckpointError>,
 ) -> Result<u64, CheckpointError> {
-    let header = header(head, exchange)?;
+    let (columns, values) = list(exchange)?;
+    write_file(path, &header(head, values, columns), &mut |out| exchange(&mut Archive::writing(out)))
+}
+
+/// Writes what was kept in memory, as [`write`] does.
+///
+/// # Errors
+/// Those of the file system.
+pub fn write_kept(path: &Path, head: Map<String, Value>, kept: &Contents) -> Result<u64, CheckpointError> {
+    let mut columns: Vec<(&String, &(Entry, usize))> = kept.columns.iter().collect();
+    columns.sort_by_key(|(name, (_, offset))| (*offset, *name));
+    let names: Vec<&String> = columns.iter().map(|(name, _)| *name).collect();
+    let listed = columns.into_iter().map(|(name, (entry, _))| (name.clone(), entry.clone())).collect();
+    write_file(path, &header(head, kept.values.clone(), listed), &mut |out| {
+        names.iter().try_for_each(|name| {
+            let (_, bytes) = kept.column(name)?;
+            out.write_all(bytes).map_err(|source| CheckpointError::File { path: name.into(), source })
+        })
+    })
+}
+
+/// Writes the header and what `write_columns` writes, with their sum.
+fn write_file(
+    path: &Path,
+    header: &[u8],
+    write_columns: &mut dyn FnMut(&mut dyn Write) -> Result<(), CheckpointError>,
+) -> Result<u64, CheckpointError> {
     let mut refused = None;
     let written = write_atomically(path, |out| {
         let mut out = Summed { inner: out, sum: crc32fast::Hasher::new() };
         out.write_all(MAGIC)?;
         out.write_all(&(header.len() as u64).to_le_bytes())?;
-        out.write_all(&header)?;
-        if let Err(error) = exchange(&mut Archive::writing(&mut out)) {
+        out.write_all(header)?;
+        if let Err(error) = write_columns(&mut out) {
             refused = Some(error);
             return Err(io::Error::other("the state cannot be written"));
         }
@@ -44,27 +70,26 @@ pub fn write(
     }
 }
 
-/// Keeps the state in memory, so that a run can go back to it.
+/// Keeps the state in memory, so that a run can go back to it; in the room of `spare`, which is done with.
 ///
 /// # Errors
 /// Those of `exchange`.
 pub fn keep(
+    spare: Contents,
     exchange: &mut dyn FnMut(&mut Archive) -> Result<(), CheckpointError>,
 ) -> Result<Contents, CheckpointError> {
-    let mut archive = Archive::listing();
-    exchange(&mut archive)?;
-    let (mut contents, mut offset) = (Contents::default(), 0);
-    if let Mode::Listing { columns, values } = archive.mode {
-        contents.values = values;
-        for (name, entry) in columns {
-            let length = entry.count * entry.width * size_of_type(entry.kind).unwrap_or(0);
-            contents.columns.insert(name, (entry, offset));
-            offset += length;
-        }
+    let (columns, values) = list(exchange)?;
+    let mut kept = Contents { values, bytes: spare.bytes, ..Contents::default() };
+    let mut offset = 0;
+    for (name, entry) in columns {
+        let length = entry.count * entry.width * size_of_type(entry.kind).unwrap_or(0);
+        kept.columns.insert(name, (entry, offset));
+        offset += length;
     }
-    contents.bytes.reserve_exact(offset);
-    exchange(&mut Archive::writing(&mut contents.bytes))?;
-    Ok(contents)
+    kept.bytes.clear();
+    kept.bytes.reserve_exact(offset);
+    exchange(&mut Archive::writing(&mut kept.bytes))?;
+    Ok(kept)
 }
 
 /// Whether all components can be saved; writes nothing.
@@ -75,13 +100,19 @@ pub fn check(exchange: &mut dyn FnMut(&mut Archive) -> Result<(), CheckpointErro
     exchange(&mut Archive::listing())
 }
 
-fn header(
-    head: Map<String, Value>,
-    exchange: &mut dyn FnMut(&mut Archive) -> Result<(), CheckpointError>,
-) -> Result<Vec<u8>, CheckpointError> {
+/// Names and sizes of the columns, and the single values.
+type Listed = (Vec<(String, Entry)>, Map<String, Value>);
+
+fn list(exchange: &mut dyn FnMut(&mut Archive) -> Result<(), CheckpointError>) -> Result<Listed, CheckpointError> {
     let mut archive = Archive::listing();
     exchange(&mut archive)?;
-    let Mode::Listing { columns, values } = archive.mode else { return Ok(Vec::new()) };
+    match archive.mode {
+        Mode::Listing { columns, values } => Ok((columns, values)),
+        _ => Ok(Listed::default()),
+    }
+}
+
+fn header(head: Map<String, Value>, values: Map<String, Value>, columns: Vec<(String, Entry)>) -> Vec<u8> {
     let mut offset = 0;
     let mut listed = Vec::with_capacity(columns.len());
     for (name, Entry { kind, count, width }) in columns {
@@ -94,7 +125,7 @@ fn header(
     // Blanks bring the first column to a multiple; offsets count from there.
     let length = header.len() + MAGIC.len() + size_of::<u64>();
     header.extend(std::iter::repeat_n(' ', length.next_multiple_of(ALIGNMENT) - length));
-    Ok(header.into_bytes())
+    header.into_bytes()
 }
 
 /// Reads a checkpoint and checks that it is whole.

@@ -149,8 +149,10 @@ fn vtu_in_single_precision() {
 #[test]
 fn msh_keeps_cells_and_groups() {
     let whole = example();
-    for version in [gmsh::Version::V2, gmsh::Version::V4] {
-        let (read, losses) = back(&whole, "mesh.msh", &Options { msh: version, ..Options::default() });
+    let (older, newer) = (gmsh::Version::V2, gmsh::Version::V4);
+    for (version, binary) in [(older, false), (older, true), (newer, false), (newer, true)] {
+        let options = Options { msh: version, msh_binary: binary, ..Options::default() };
+        let (read, losses) = back(&whole, "mesh.msh", &options);
         assert_eq!(read.nodes, whole.nodes, "{version:?}");
         assert_eq!(read.elements.ids, whole.elements.ids);
         assert_eq!(read.elements.nodes, whole.elements.nodes);
@@ -175,12 +177,17 @@ fn meshes_of_gmsh_go_around() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/gmsh");
     for name in ["plate", "block", "bricks"] {
         let first = gmsh::read(&folder.join(format!("{name}_4.1_binary.msh")), "Mesh", "Element").unwrap();
-        for (through, version) in
-            [("a.msh", gmsh::Version::V2), ("a.msh", gmsh::Version::V4), ("a.vtu", gmsh::Version::V4)]
-        {
+        let (older, newer) = (gmsh::Version::V2, gmsh::Version::V4);
+        for (through, version, binary) in [
+            ("a.msh", older, false),
+            ("a.msh", older, true),
+            ("a.msh", newer, false),
+            ("a.msh", newer, true),
+            ("a.vtu", newer, false),
+        ] {
             let folder = tempfile::tempdir().unwrap();
             let path: PathBuf = folder.path().join(through);
-            let options = Options { msh: version, ..Options::default() };
+            let options = Options { msh: version, msh_binary: binary, ..Options::default() };
             write(&first, &path, &options).unwrap();
             // Elements of solids are named, which the names of the tests above do not know.
             let read = match Format::of(&path).unwrap() {

@@ -1,4 +1,4 @@
-//! Writer of Gmsh's mesh files, formats 2.2 and 4.1 as text.
+//! Writer of Gmsh's mesh files, formats 2.2 and 4.1, as text and binary.
 //!
 //! The format knows cells with nodes, and physical groups of cells of one dimension. A sub model part
 //! becomes a group of its name for each dimension of its cells; nodes that none of its cells holds are
@@ -22,8 +22,8 @@ pub enum Version {
 }
 
 /// Gmsh's number of a shape.
-fn number(shape: Shape) -> i32 {
-    super::cells::KNOWN.iter().find(|(_, known)| *known == shape).map_or(0, |(number, _)| *number)
+fn number(shape: Shape) -> usize {
+    super::cells::KNOWN.iter().find(|(_, known)| *known == shape).map_or(0, |(number, _)| *number as usize)
 }
 
 /// A cell with indices of its nodes and of its groups.
@@ -91,17 +91,70 @@ fn cells(part: &ModelPart, groups: &[(String, &SubModelPart)]) -> Vec<Cell> {
     cells
 }
 
+/// Numbers of a section, as text with a line end where the format has one, or as they are in memory.
+struct Numbers<'a> {
+    out: &'a mut dyn Write,
+    binary: bool,
+    /// The line has numbers already.
+    inside: bool,
+}
+
+impl Numbers<'_> {
+    fn put(&mut self, bytes: &[u8], text: std::fmt::Arguments) -> io::Result<()> {
+        if self.binary {
+            return self.out.write_all(bytes);
+        }
+        let blank = if std::mem::replace(&mut self.inside, true) { " " } else { "" };
+        write!(self.out, "{blank}{text}")
+    }
+
+    fn int(&mut self, value: usize) -> io::Result<()> {
+        let value = i32::try_from(value).map_err(io::Error::other)?;
+        self.put(&value.to_ne_bytes(), format_args!("{value}"))
+    }
+
+    fn size(&mut self, value: usize) -> io::Result<()> {
+        self.put(&(value as u64).to_ne_bytes(), format_args!("{value}"))
+    }
+
+    fn real(&mut self, value: f64) -> io::Result<()> {
+        self.put(&value.to_ne_bytes(), format_args!("{value:?}"))
+    }
+
+    fn place(&mut self, place: [f64; 3]) -> io::Result<()> {
+        place.into_iter().try_for_each(|x| self.real(x))
+    }
+
+    /// The end of a line of text.
+    fn end(&mut self) -> io::Result<()> {
+        self.inside = false;
+        if self.binary { Ok(()) } else { writeln!(self.out) }
+    }
+
+    /// The end of a section, which is a line of its own in binary files, too.
+    fn close(&mut self, name: &str) -> io::Result<()> {
+        let before = if self.binary { "\n" } else { "" };
+        writeln!(self.out, "{before}$End{name}")
+    }
+}
+
 /// Writes a root model part to `path` and returns the size of the file in bytes. Coordinates are exact,
 /// nodes and elements keep their ids.
 ///
 /// # Errors
 /// Those of the file system; no part of a file is left.
-pub fn write(part: &ModelPart, path: &Path, version: Version) -> io::Result<u64> {
+pub fn write(part: &ModelPart, path: &Path, version: Version, binary: bool) -> io::Result<u64> {
     let groups = groups(part);
     let cells = cells(part, &groups);
     write_atomically(path, |out| {
         let number = if version == Version::V4 { "4.1" } else { "2.2" };
-        writeln!(out, "$MeshFormat\n{number} 0 8\n$EndMeshFormat")?;
+        writeln!(out, "$MeshFormat\n{number} {} 8", u8::from(binary))?;
+        if binary {
+            // By which a reader tells the order of bytes.
+            out.write_all(&1i32.to_ne_bytes())?;
+            writeln!(out)?;
+        }
+        writeln!(out, "$EndMeshFormat")?;
         let names: BTreeSet<(usize, usize)> =
             cells.iter().flat_map(|cell| cell.groups.iter().map(|&group| (cell.shape.dimension(), group))).collect();
         if !names.is_empty() {
@@ -111,46 +164,56 @@ pub fn write(part: &ModelPart, path: &Path, version: Version) -> io::Result<u64>
             }
             writeln!(out, "$EndPhysicalNames")?;
         }
+        let mut numbers = Numbers { out, binary, inside: false };
         match version {
-            Version::V2 => version2(part, &cells, out),
-            Version::V4 => version4(part, &cells, out),
+            Version::V2 => version2(part, &cells, &mut numbers),
+            Version::V4 => version4(part, &cells, &mut numbers),
         }
     })
 }
 
-fn write_nodes(line: &[u32], ids: &[u32], out: &mut dyn Write) -> io::Result<()> {
-    line.iter().try_for_each(|&node| write!(out, " {}", ids[node as usize]))?;
-    writeln!(out)
-}
-
 /// A cell stands once for each of its groups, the second time under a new id.
-fn version2(part: &ModelPart, cells: &[Cell], out: &mut dyn Write) -> io::Result<()> {
-    writeln!(out, "$Nodes\n{}", part.nodes.len())?;
-    for (id, [x, y, z]) in part.nodes.ids.iter().zip(&part.nodes.coordinates) {
-        writeln!(out, "{id} {x:?} {y:?} {z:?}")?;
+fn version2(part: &ModelPart, cells: &[Cell], out: &mut Numbers) -> io::Result<()> {
+    writeln!(out.out, "$Nodes\n{}", part.nodes.len())?;
+    for (id, place) in part.nodes.ids.iter().zip(&part.nodes.coordinates) {
+        out.int(*id as usize)?;
+        out.place(*place)?;
+        out.end()?;
     }
-    let lines: usize = cells.iter().map(|cell| cell.groups.len().max(1)).sum();
-    writeln!(out, "$EndNodes\n$Elements\n{lines}")?;
+    out.close("Nodes")?;
     let mut next = cells.iter().map(|cell| cell.id).max().unwrap_or(0);
+    let mut lines: Vec<(u32, usize, &Cell)> = Vec::new();
     for cell in cells {
         let groups: Vec<usize> = cell.groups.iter().map(|group| group + 1).collect();
         let groups = if groups.is_empty() { vec![0] } else { groups };
         for (copy, group) in groups.into_iter().enumerate() {
-            if copy > 0 {
-                next += 1;
-            }
-            let id = if copy == 0 { cell.id } else { next };
-            // The second tag, the elementary entity, must be there and above 0.
-            write!(out, "{id} {} 2 {group} {}", number(cell.shape), group.max(1))?;
-            write_nodes(&cell.nodes, &part.nodes.ids, out)?;
+            next += u32::from(copy > 0);
+            lines.push((if copy == 0 { cell.id } else { next }, group, cell));
         }
     }
-    writeln!(out, "$EndElements")
+    writeln!(out.out, "$Elements\n{}", lines.len())?;
+    for run in lines.chunk_by(|(_, _, a), (_, _, b)| a.shape == b.shape) {
+        let kind = number(run[0].2.shape);
+        if out.binary {
+            [kind, run.len(), 2].into_iter().try_for_each(|value| out.int(value))?;
+        }
+        for (id, group, cell) in run {
+            out.int(*id as usize)?;
+            if !out.binary {
+                [kind, 2].into_iter().try_for_each(|value| out.int(value))?;
+            }
+            // The second tag, the elementary entity, must be there and above 0.
+            [*group, (*group).max(1)].into_iter().try_for_each(|value| out.int(value))?;
+            cell.nodes.iter().try_for_each(|&node| out.int(part.nodes.ids[node as usize] as usize))?;
+            out.end()?;
+        }
+    }
+    out.close("Elements")
 }
 
 /// An entity for each dimension and set of groups that occurs.
-fn version4(part: &ModelPart, cells: &[Cell], out: &mut dyn Write) -> io::Result<()> {
-    let mut entities: BTreeMap<(usize, Vec<usize>), BTreeMap<i32, Vec<usize>>> = BTreeMap::new();
+fn version4(part: &ModelPart, cells: &[Cell], out: &mut Numbers) -> io::Result<()> {
+    let mut entities: BTreeMap<(usize, Vec<usize>), BTreeMap<usize, Vec<usize>>> = BTreeMap::new();
     for (index, cell) in cells.iter().enumerate() {
         let key = (cell.shape.dimension(), cell.groups.iter().copied().collect());
         entities.entry(key).or_default().entry(number(cell.shape)).or_default().push(index);
@@ -161,52 +224,81 @@ fn version4(part: &ModelPart, cells: &[Cell], out: &mut dyn Write) -> io::Result
     let last = entities.keys().next_back().map_or(0, |(dimension, _)| *dimension);
     let tag = entities.keys().filter(|(dimension, _)| *dimension == last).count().max(1);
     let count = part.nodes.len();
-    writeln!(out, "$Nodes\n1 {count} {low} {high}\n{last} {tag} 0 {count}")?;
-    part.nodes.ids.iter().try_for_each(|id| writeln!(out, "{id}"))?;
-    part.nodes.coordinates.iter().try_for_each(|[x, y, z]| writeln!(out, "{x:?} {y:?} {z:?}"))?;
+    writeln!(out.out, "$Nodes")?;
+    sizes(out, &[1, count, low, high])?;
+    block(out, [last, tag, 0], count)?;
+    for id in &part.nodes.ids {
+        sizes(out, &[*id as usize])?;
+    }
+    for place in &part.nodes.coordinates {
+        out.place(*place)?;
+        out.end()?;
+    }
+    out.close("Nodes")?;
     let blocks: usize = entities.values().map(BTreeMap::len).sum();
     let (low, high) = ends(cells.iter().map(|cell| cell.id));
-    writeln!(out, "$EndNodes\n$Elements\n{blocks} {} {low} {high}", cells.len())?;
+    writeln!(out.out, "$Elements")?;
+    sizes(out, &[blocks, cells.len(), low, high])?;
     let mut tags = [0; 4];
     for ((dimension, _), kinds) in &entities {
         tags[*dimension] += 1;
         for (kind, members) in kinds {
-            writeln!(out, "{dimension} {} {kind} {}", tags[*dimension], members.len())?;
+            block(out, [*dimension, tags[*dimension], *kind], members.len())?;
             for &cell in members {
-                write!(out, "{}", cells[cell].id)?;
-                write_nodes(&cells[cell].nodes, &part.nodes.ids, out)?;
+                out.size(cells[cell].id as usize)?;
+                cells[cell].nodes.iter().try_for_each(|&node| out.size(part.nodes.ids[node as usize] as usize))?;
+                out.end()?;
             }
         }
     }
-    writeln!(out, "$EndElements")
+    out.close("Elements")
+}
+
+/// A line of sizes.
+fn sizes(out: &mut Numbers, values: &[usize]) -> io::Result<()> {
+    values.iter().try_for_each(|value| out.size(*value))?;
+    out.end()
+}
+
+/// The head of a block of nodes or elements: dimension, tag and kind, and how many there are.
+fn block(out: &mut Numbers, values: [usize; 3], count: usize) -> io::Result<()> {
+    values.into_iter().try_for_each(|value| out.int(value))?;
+    sizes(out, &[count])
 }
 
 fn write_entities<'a>(
     part: &ModelPart,
     entities: impl Iterator<Item = &'a (usize, Vec<usize>)> + Clone,
-    out: &mut dyn Write,
+    out: &mut Numbers,
 ) -> io::Result<()> {
     let count = |wanted: usize| entities.clone().filter(|(dimension, _)| *dimension == wanted).count();
-    writeln!(out, "$Entities\n{} {} {} {}", count(0), count(1), count(2), count(3))?;
+    writeln!(out.out, "$Entities")?;
+    sizes(out, &[count(0), count(1), count(2), count(3)])?;
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for x in &part.nodes.coordinates {
         (0..3).for_each(|axis| (low[axis], high[axis]) = (low[axis].min(x[axis]), high[axis].max(x[axis])));
     }
-    let place = |x: [f64; 3]| format!("{:?} {:?} {:?}", x[0], x[1], x[2]);
     let mut tags = [0; 4];
     for (dimension, groups) in entities.clone() {
         tags[*dimension] += 1;
-        let bounds = if *dimension == 0 { place(low) } else { format!("{} {}", place(low), place(high)) };
-        write!(out, "{} {bounds} {}", tags[*dimension], groups.len())?;
-        groups.iter().try_for_each(|group| write!(out, " {}", group + 1))?;
-        // No boundary is known.
-        writeln!(out, "{}", if *dimension == 0 { "" } else { " 0" })?;
+        out.int(tags[*dimension])?;
+        out.place(low)?;
+        if *dimension > 0 {
+            out.place(high)?;
+        }
+        out.size(groups.len())?;
+        groups.iter().try_for_each(|group| out.int(group + 1))?;
+        if *dimension > 0 {
+            // No boundary is known.
+            out.size(0)?;
+        }
+        out.end()?;
     }
-    writeln!(out, "$EndEntities")
+    out.close("Entities")
 }
 
-fn ends(ids: impl Iterator<Item = u32> + Clone) -> (u32, u32) {
-    (ids.clone().min().unwrap_or(0), ids.max().unwrap_or(0))
+fn ends(ids: impl Iterator<Item = u32> + Clone) -> (usize, usize) {
+    (ids.clone().min().unwrap_or(0) as usize, ids.max().unwrap_or(0) as usize)
 }
 
 /// What a model part holds and the format does not, in words.

@@ -48,6 +48,7 @@ fn block<const D: usize>(law: Box<dyn Law>) -> Block {
         moments: false,
         density: 1.3,
         extent: 1.0,
+        starts_stressed: false,
         gravity: [0.4, -0.7, 0.2],
         ids: (0..POINTS as u32).collect(),
         cell: vec![0; POINTS],
