@@ -53,6 +53,12 @@ impl Outcome {
         self.repetitions.last().and_then(|last| last["reason"].as_str()).unwrap_or("")
     }
 
+    /// What it was warned of.
+    pub fn warnings(&self) -> Vec<&str> {
+        let list = self.summary()["warnings"].as_array();
+        list.into_iter().flatten().filter_map(Value::as_str).collect()
+    }
+
     /// The summary of the first run.
     pub fn summary(&self) -> &Value {
         self.repetitions.first().map_or(&Value::Null, |first| &first["summary"])

@@ -60,7 +60,7 @@ pub enum Criterion {
     End {
         /// `done`, `failed` or `input`.
         end: String,
-        /// What the reason tells.
+        /// What the reason tells, or a warning.
         reason: String,
     },
 }
@@ -151,7 +151,8 @@ impl Criterion {
         match self {
             Self::Bound(bound) => bound.judge(bound.quantity.value(outcome)),
             Self::End { end, reason } => {
-                let kept = outcome.end() == end && outcome.reason().to_lowercase().contains(&reason.to_lowercase());
+                let told = [&[outcome.reason()], outcome.warnings().as_slice()].concat().join("\n");
+                let kept = outcome.end() == end && told.to_lowercase().contains(&reason.to_lowercase());
                 let told = if reason.is_empty() { String::new() } else { format!(", and tells {reason:?}") };
                 ended(outcome.end(), kept, format!("{end}{told}"))
             }

@@ -66,7 +66,7 @@ pub const CRITERION: &[Key] = &Key::join::<4, 6, 10>(
         Key::optional("min", Kind::Number(Range::ANY), "passes from this on"),
         Key::optional("degraded", Kind::Number(Range::ANY), "is degraded, not failed, up to (or from) this"),
         Key::optional("expect", Kind::Choice(&["done", "failed", "input"]), "how the run must end"),
-        Key::optional("reason_contains", Kind::Text, "what its reason must tell"),
+        Key::optional("reason_contains", Kind::Text, "what its reason, or a warning, must tell"),
         Key::new("text", Kind::Text, "\"\"", "what the quantity is, with its unit"),
     ],
 );

@@ -114,6 +114,7 @@ impl<'a> Report<'a> {
             all.len(),
             tally(&all)
         );
+        out += &self.told();
         for program in &self.survey.programs {
             let mut verdicts = [Vec::new(), Vec::new()];
             for scene in &self.survey.scenes {
@@ -128,6 +129,34 @@ impl<'a> Report<'a> {
             let _ = writeln!(out, "<p>Beside them {name} on {cells} of these cells: {theirs}; Bia there: {ours}.</p>");
         }
         out
+    }
+
+    /// How those that fail say so: a result that is wrong without a word is the worst of all.
+    fn told(&self) -> String {
+        let own = self.own_methods().len();
+        let (mut stopped, mut warned, mut silent) = (0, 0, Vec::new());
+        for scene in &self.survey.scenes {
+            for (method, run) in self.own_methods().iter().zip(scene.runs.iter().take(own)) {
+                let Some(run) = run.as_ref().filter(|run| self.judge(run).verdict == Verdict::Fails) else { continue };
+                match self.outcome(run) {
+                    Some(outcome) if outcome.is_done() && outcome.warnings().is_empty() => {
+                        silent.push(format!(
+                            "<a href=\"#{0}\">{0}</a> by {1}",
+                            escaped(&scene.id),
+                            escaped(&method.label)
+                        ));
+                    }
+                    Some(outcome) if outcome.is_done() => warned += 1,
+                    _ => stopped += 1,
+                }
+            }
+        }
+        let list = if silent.is_empty() { String::new() } else { format!(": {}", silent.join(", ")) };
+        let count = silent.len();
+        format!(
+            "<p>Of those that fail, {stopped} stop and say why, {warned} go on to the end with a warning, and {count} \
+             end with nothing but the wrong number that the criteria find{list}.</p>\n"
+        )
     }
 
     fn matrix(&self) -> String {
@@ -193,6 +222,9 @@ impl<'a> Report<'a> {
                         first(&cpu),
                     ]);
                 }
+            }
+            for warning in outcome.map_or(Vec::new(), Outcome::warnings) {
+                let _ = writeln!(notes, "<p class=\"soft\">{} warns: {}</p>", escaped(label), escaped(warning));
             }
             if let Run::Wanted(wanted) = run
                 && !wanted.text.is_empty()
