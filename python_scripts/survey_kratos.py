@@ -209,7 +209,7 @@ def for_kratos(project, folder):
         for process in list(group):
             name, own = process["python_module"], process["Parameters"]
             process["kratos_module"] = "KratosMultiphysics"
-            if name == "assign_initial_velocity_field_to_material_point_process":
+            if name == "assign_initial_field_to_material_point_process":
                 start.append(own)
                 group.remove(process)
             elif name == "assign_gravity_to_material_point_process":

@@ -211,8 +211,7 @@ fn flowing() -> Scene {
     let law = material("HyperElasticNeoHookeanPlaneStrain2DLaw", 4, 1.0, 1.0, 0.0);
     let velocity = json!({"model_part_name": "MPM_Material", "value": ["1.0+2.0*x-y", "3.0*y", 0.0]});
     let grid = Mesh::block(Cell::Quadrilateral, [6, 6, 0], [0.0; 3], [1.5, 1.5, 0.0]);
-    Scene::new(grid, mesh, law, solver, 1e-9)
-        .with(process("assign_initial_velocity_field_to_material_point_process", velocity))
+    Scene::new(grid, mesh, law, solver, 1e-9).with(process("assign_initial_field_to_material_point_process", velocity))
 }
 
 fn extrapolation(variables: Value) -> Value {

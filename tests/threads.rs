@@ -33,7 +33,7 @@ fn dynamic(scheme: &str) -> Value {
 
 fn velocity(functions: Value) -> Value {
     let parameters = json!({"model_part_name": "MPM_Material", "value": functions});
-    process("assign_initial_velocity_field_to_material_point_process", parameters)
+    process("assign_initial_field_to_material_point_process", parameters)
 }
 
 #[test]

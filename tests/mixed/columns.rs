@@ -21,7 +21,7 @@ fn column(cell: Cell, n: usize, velocity: [&str; 3], step: f64, end: f64) -> Sce
         .part("Base", |x| x[2] == 0.0)
         .with(fix("Base", json!([0.0, 0.0, 0.0])))
         .with(process(
-            "assign_initial_velocity_field_to_material_point_process",
+            "assign_initial_field_to_material_point_process",
             json!({"model_part_name": "MPM_Material", "value": velocity}),
         ))
 }
@@ -81,7 +81,7 @@ fn a_block_flies_although_it_hardly_touches_its_last_nodes() {
             "scheme_type": "newmark", "time_stepping": {"time_step": 1e-3}});
         let velocity = json!({"model_part_name": "MPM_Material", "value": ["1", "0.5", "0"]});
         let scene = Scene::new(grid.clone(), body.clone(), material(LAW, 8, 1000.0, 1e6, 0.5), solver, 1.5e-3)
-            .with(process("assign_initial_velocity_field_to_material_point_process", velocity));
+            .with(process("assign_initial_field_to_material_point_process", velocity));
         let record = scene.run(&["--record-states", "1"]);
         for velocity in record.last().points("MP_VELOCITY") {
             let off = (0..3).map(|a| (velocity[a] - [1.0, 0.5, 0.0][a]).abs()).fold(0.0, f64::max);

@@ -28,7 +28,7 @@ fn errors(cell: Cell, stabilization: &str, count: usize) -> [f64; 2] {
     let scene = Scene::new(mesh.clone(), mesh, material, solver, END - 0.5 * step)
         .part("Floor", |x| x[1] == 0.0)
         .part("Sides", |x| x[0] == 0.0 || x[0] == 1.0)
-        .with(process("assign_initial_velocity_field_to_material_point_process", velocity))
+        .with(process("assign_initial_field_to_material_point_process", velocity))
         .with(fix("Sides", json!([motion, 0.0, null])))
         .with(fix("Floor", json!([0.0, 0.0, null])));
     let record = scene.run(&["--record-states", "1"]);

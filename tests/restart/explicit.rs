@@ -24,7 +24,7 @@ fn scene(members: &Value) -> Scene {
         .part("Floor", |x| x[1] == bottom)
         .with(fix("Floor", json!([null, "0.001*t", null])))
         .with(gravity([0.0, -9.81, 0.0]))
-        .with(process("assign_initial_velocity_field_to_material_point_process", parameters))
+        .with(process("assign_initial_field_to_material_point_process", parameters))
 }
 
 fn check(told: &str, members: &Value) {

@@ -83,7 +83,7 @@ fn points_that_leave_are_erased_or_clamped_after_the_failure() {
 /// A smaller step can be chosen where the run has failed; the step and the time go on from there.
 #[test]
 fn a_smaller_time_step_goes_on_from_the_failure() {
-    let failed = folder(&pressed, &outputs_of_points(2), Some(json!({})));
+    let failed = folder(&pressed, &outputs_of_points(2), Some(json!({"every_steps": 2})));
     assert_eq!(run(failed.path(), &["--quiet"]).0, Some(3));
     set(failed.path(), "time_stepping", &json!({"time_step": 0.005}));
     set(failed.path(), "max_iteration", &json!(20));

@@ -21,7 +21,7 @@ fn scene(law: &str, members: &Value) -> Scene {
         .part("Floor", |x| x[1] == 0.0)
         .with(fix("Floor", json!(["0.0003*t", 0.0, null])))
         .with(gravity([0.0, -9.81, 0.0]))
-        .with(process("assign_initial_velocity_field_to_material_point_process", velocity))
+        .with(process("assign_initial_field_to_material_point_process", velocity))
 }
 
 fn outputs() -> Vec<Value> {

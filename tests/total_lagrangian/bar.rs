@@ -67,7 +67,7 @@ impl Bar {
     /// A velocity of all points, a function of x.
     #[must_use]
     pub fn flung(mut self, velocity: &str) -> Self {
-        self.processes.push(json!({"python_module": "assign_initial_velocity_field_to_material_point_process",
+        self.processes.push(json!({"python_module": "assign_initial_field_to_material_point_process",
             "Parameters": {"model_part_name": "MPM_Material", "value": [velocity, "0", "0"]}}));
         self
     }

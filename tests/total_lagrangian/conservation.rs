@@ -88,7 +88,7 @@ fn a_turning_block_keeps_energy_and_momenta() {
             let velocity = json!({"model_part_name": "MPM_Material",
                 "value": ["1 - 20*y + 2*x", "20*x - 3*y + 2*z", "4*x - 2*z"]});
             let record = Scene::new(block.clone(), block, material(law, points, 1000.0, 1e6, 0.3), solver, 0.195)
-                .with(process("assign_initial_velocity_field_to_material_point_process", velocity))
+                .with(process("assign_initial_field_to_material_point_process", velocity))
                 .run(&["--record-states", "20"]);
             let drift = energy_drift(&record);
             assert!(drift < 1e-10, "{cell:?} {basis}: energy drifts by {drift:e}");

@@ -128,7 +128,7 @@ fn splines_keep_the_momentum_of_a_body_that_crosses_cells() {
                                   "value": ["3 + 2*sin(3*x)*y", "1 + 2*cos(2*y + x)", "-0.5 + 2*x*z"]});
             let points = 1 << cell.dimension();
             let record = Scene::new(grid, body, material(law(cell), points, 1000.0, 1e6, 0.3), solver, 0.19)
-                .with(process("assign_initial_velocity_field_to_material_point_process", velocity))
+                .with(process("assign_initial_field_to_material_point_process", velocity))
                 .run(&["--record-states", "10"]);
             let start = record.first().total("momentum");
             let size = start.iter().map(|p| p * p).sum::<f64>().sqrt();

@@ -142,7 +142,7 @@ fn the_automatic_step_is_stable_in_the_plane_and_in_space() {
                 let wave = "1e-4*sin(37*x*x + 29*y + 11*z)";
                 let velocity = json!({"model_part_name": "MPM_Material", "value": [wave, wave, wave]});
                 let record = Scene::new(block.clone(), block, material(law, count, 1.0, 0.5, 0.4), solver, 50.0)
-                    .with(process("assign_initial_velocity_field_to_material_point_process", velocity))
+                    .with(process("assign_initial_field_to_material_point_process", velocity))
                     .run(&["--record-states", "3"]);
                 let energies: Vec<f64> =
                     record.states().iter().map(|s| s.energy("kinetic") + s.energy("strain")).collect();

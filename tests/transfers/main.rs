@@ -47,7 +47,7 @@ fn explicit(frame: Frame, functions: Functions, time_step: f64, members: &Value)
 /// The velocity that the points of a part start with.
 fn initial_velocity(part: &str, value: [&str; 3]) -> Value {
     let parameters = json!({"model_part_name": part, "value": value});
-    process("assign_initial_velocity_field_to_material_point_process", parameters)
+    process("assign_initial_field_to_material_point_process", parameters)
 }
 
 /// A soft block of 1 m in 4 by 4 cells, free: it turns once in 0.6 s and swings. In the updated frame

@@ -9,7 +9,7 @@ fn dynamic(scheme: &str, step: f64) -> Value {
 
 fn velocity(functions: [String; 3]) -> Value {
     let parameters = json!({"model_part_name": "MPM_Material", "value": functions});
-    process("assign_initial_velocity_field_to_material_point_process", parameters)
+    process("assign_initial_field_to_material_point_process", parameters)
 }
 
 /// A body that flies, turns and deforms freely across the cells of a grid.

@@ -49,7 +49,7 @@ fn run(cell: Cell, points: usize, cells: usize, body_force: Value, velocity: Val
         .with(fix("Sides", json!([0.0, null, null])))
         .with(fix("Ends", json!([null, 0.0, null])))
         .with(process("assign_body_acceleration_to_material_point_process", on_body(body_force)))
-        .with(process("assign_initial_velocity_field_to_material_point_process", on_body(velocity)))
+        .with(process("assign_initial_field_to_material_point_process", on_body(velocity)))
         .run(&["--record-states", "1"])
 }
 

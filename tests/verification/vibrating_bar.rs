@@ -36,7 +36,7 @@ fn bar(cell: Cell, points: usize, cells: usize, steps: usize, scheme: &str) -> R
         .part("All", |_| true)
         .with(fix("Wall", json!([0.0, null, null])))
         .with(fix("All", json!([null, 0.0, 0.0])))
-        .with(process("assign_initial_velocity_field_to_material_point_process", velocity))
+        .with(process("assign_initial_field_to_material_point_process", velocity))
         .run(&["--record-states", "40"])
 }
 

@@ -152,7 +152,25 @@ pub struct BuiltLaw {
     pub kinematics: Kinematics,
 }
 
+/// Poisson's ratio above which elements of displacements alone are told to lock.
+const LOCKS: f64 = 0.45;
+
 impl BodyMaterial {
+    /// Legal but suspicious facts; `of_displacements` where there are no pressures beside them.
+    pub fn warnings(&self, of_displacements: bool) -> Vec<String> {
+        let (id, mut warnings) = (self.properties.id, Vec::new());
+        if !self.properties.tables.is_empty() {
+            warnings.push(format!("properties {id}: tables have no effect, no law of this build reads one"));
+        }
+        let ratio = self.properties.number("POISSON_RATIO").filter(|ratio| of_displacements && *ratio > LOCKS);
+        warnings.extend(ratio.map(|ratio| {
+            format!(
+                "properties {id}: Poisson's ratio {ratio} with a displacement formulation locks: bodies look too stiff"
+            )
+        }));
+        warnings
+    }
+
     /// The place of a constant; without a name (or if it has another name), of all of them.
     pub fn place_of(&self, name: Option<&str>) -> Parameters {
         let variables = self.parameters.child("Material").and_then(|m| m.child("Variables"));

@@ -244,6 +244,10 @@ impl Solver for DiscontinuousGalerkin {
         list
     }
 
+    fn is_closed(&self, model: &Model) -> bool {
+        model.extension::<Points>().is_some_and(|points| points.body.work() == 0.0)
+    }
+
     fn account(&self, model: &Model) -> serde_json::Map<String, serde_json::Value> {
         let mut head = serde_json::Map::new();
         if let (Some(part), Some(points)) = (model.part(&self.settings.part), model.extension::<Points>()) {

@@ -8,12 +8,13 @@ use crate::points::{Block, MaterialPoints, Selection};
 use crate::scene::{Scene, points_of};
 use crate::settings::Frame;
 use crate::space::Space;
+use crate::variables::{ACCELERATION, DISPLACEMENT, VELOCITY};
 use bia_constitutive::Kinematics;
 use bia_kernel::error::Error;
 use bia_kernel::io::dataset::{CellsOf, Dataset, Field, FieldData};
 use bia_kernel::model::Model;
 use bia_kernel::solving::solver::{ColumnUse, Counts, Inventory, write_failed_state};
-use bia_kernel::variables::Column;
+use bia_kernel::variables::{Column, Variable};
 use std::path::{Path, PathBuf};
 
 impl Scene {
@@ -69,19 +70,7 @@ impl Scene {
         if self.settings.discretisation.frame == Frame::Total {
             warnings.extend(contact_warning(points, &self.space));
         }
-        for material in &self.materials {
-            if !material.properties.tables.is_empty() {
-                let id = material.properties.id;
-                warnings.push(format!("properties {id}: tables have no effect, no law of this build reads one"));
-            }
-            if let Some(ratio) = material.properties.number("POISSON_RATIO").filter(|ratio| *ratio > 0.45 && !is_mixed)
-            {
-                let id = material.properties.id;
-                warnings.push(format!(
-                    "properties {id}: Poisson's ratio {ratio} with a displacement formulation locks: bodies look too stiff"
-                ));
-            }
-        }
+        warnings.extend(self.materials.iter().flat_map(|material| material.warnings(!is_mixed)));
         let volume: f64 = points.blocks.iter().map(volume_of).sum();
         if let Some(body) = body_measure(model, points)
             && (volume / body - 1.0).abs() > 1e-6
@@ -227,6 +216,28 @@ pub fn energies(model: &Model) -> Vec<(&'static str, f64)> {
         list.push(("strain", energies.strain));
     }
     list
+}
+
+/// Whether elastic bodies move without loads, gravity or supports that move.
+pub fn is_closed(model: &Model) -> bool {
+    let (Some(points), Some(grid)) = (points_of(model), model.part(GRID)) else { return false };
+    let conditions = &points.conditions;
+    let free = |block: &Block| {
+        block.has_energy
+            && block.velocity.is_used()
+            && !block.state.is_used()
+            && !block.body_acceleration.is_used()
+            && block.gravity == [0.0; 3]
+    };
+    let moved = |variable: &Variable| {
+        let held = grid.node_fields.fixed(variable).zip(grid.node_fields.vector(variable));
+        held.is_some_and(|(held, values)| {
+            held.iter().zip(values).any(|(held, value)| (0..3).any(|a| held[a] && value[a] != 0.0))
+        })
+    };
+    !crate::loads::are_any(grid, conditions)
+        && points.blocks.iter().all(free)
+        && ![&DISPLACEMENT, &VELOCITY, &ACCELERATION].into_iter().any(moved)
 }
 
 /// Writes the points with every column in use to `failed_state.vtu`.

@@ -134,6 +134,12 @@ impl Loads<'_> {
     }
 }
 
+/// Whether any condition carries a load now.
+pub fn are_any(grid: &ModelPart, conditions: &PointConditions) -> bool {
+    conditions.grid.iter().any(|&condition| is_loaded(grid, condition as usize))
+        || conditions.load.iter().any(|load| *load != [0.0; 3])
+}
+
 /// The first of these functions that counts but has no dofs.
 fn idle(targets: &[u32], functions: &[f64], dofs: &ActiveDofs) -> Option<u32> {
     let counts = |(target, n): &(&u32, &f64)| n.abs() > NEGLIGIBLE && dofs.number(**target).is_none();

@@ -327,6 +327,7 @@ impl Solver for Structural {
         ];
         let (cells, nodes) = (part.elements.len(), part.nodes.len());
         inventory.counts = Counts { cells, nodes, points: 0, unknowns: self.dofs.order() };
+        inventory.warnings = self.materials.iter().flat_map(|material| material.warnings(true)).collect();
         inventory.columns = columns.map(|(name, bytes)| ColumnUse { name, bytes }).into();
         inventory
     }

@@ -1,6 +1,7 @@
 //! The analysis: builds what a project names and drives it through time in Kratos's order.
 
 mod account;
+mod balance;
 mod checkpoints;
 mod old_names;
 mod prepare;
@@ -66,6 +67,8 @@ pub struct Analysis {
     adjustable: Vec<&'static str>,
     warnings: Vec<String>,
     resumed: bool,
+    /// In J, where nothing works on the bodies.
+    energy_at_start: Option<f64>,
     stages: Vec<(&'static str, Duration)>,
     /// That of the last run, however it ended.
     account: Option<Account>,
@@ -206,7 +209,8 @@ impl Analysis {
 
     /// What is told of a run that has ended without an error.
     fn finish(&mut self, account: &mut Account, recorder: Option<Recorder>) -> Result<(), Error> {
-        for remark in self.solver.remarks(&self.model).into_iter().chain(self.unreached()) {
+        let remarks = self.solver.remarks(&self.model).into_iter().chain(self.unreached());
+        for remark in remarks.chain(self.unbalanced()) {
             tracing::warn!("{remark}");
         }
         account.stages = std::mem::take(&mut self.stages);
@@ -289,7 +293,9 @@ impl Analysis {
         checkpoint: Option<Contents>,
     ) -> Result<(), Error> {
         self.stages = vec![("processes", Duration::ZERO), ("solver", Duration::ZERO), ("output", Duration::ZERO)];
+        let is_resumed = checkpoint.is_some();
         self.begin(account, recorder, checkpoint)?;
+        self.energy_at_start = if is_resumed { None } else { self.closed_energy() };
         self.keep_state(account, recorder)?;
         account.start_loop();
         while self.clock.time < self.clock.end {

@@ -88,6 +88,7 @@ impl Analysis {
             adjustable,
             warnings,
             resumed: false,
+            energy_at_start: None,
             stages: Vec::new(),
             account: None,
             first_stable: None,

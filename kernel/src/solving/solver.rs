@@ -139,6 +139,13 @@ pub trait Solver: Send {
     /// Kinetic, strain and potential energy in joules, as far as they are known.
     fn energies(&self, model: &Model) -> Vec<(&'static str, f64)>;
 
+    /// Whether energy is all that there is: nothing that the solver knows of works on the bodies, such as
+    /// loads, gravity or supports that move, and no law dissipates. Then [`energies`](Self::energies) tells all of it.
+    #[allow(unused_variables)]
+    fn is_closed(&self, model: &Model) -> bool {
+        false
+    }
+
     /// What a user should know after the run, such as points that were lost.
     #[allow(unused_variables)]
     fn remarks(&self, model: &Model) -> Vec<String> {

@@ -398,6 +398,10 @@ impl Solver for Explicit {
         crate::inventory::energies(model)
     }
 
+    fn is_closed(&self, model: &Model) -> bool {
+        crate::inventory::is_closed(model)
+    }
+
     fn remarks(&self, model: &Model) -> Vec<String> {
         crate::inventory::remarks(model)
     }

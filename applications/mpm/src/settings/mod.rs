@@ -303,10 +303,11 @@ fn explicit(s: &Settings) -> ExplicitSettings {
 /// it has tight tolerances unless others are given.
 fn newton(s: &Settings, kratos_exact: bool) -> Newton {
     let mut newton = Newton::read(s, kratos_exact);
-    if let (true, Some(Criterion::Residual(tolerances))) = (conserves_energy(s), &mut newton.criterion) {
-        if !s.given("residual_relative_tolerance") {
-            tolerances.relative = 1e-11;
-        }
+    if let Some(Criterion::Residual(tolerances)) = &mut newton.criterion
+        && conserves_energy(s)
+        && !s.given("residual_relative_tolerance")
+    {
+        tolerances.relative = 1e-11;
     }
     newton
 }

@@ -1,0 +1,161 @@
+//! What a run that comes to its end tells of itself: results that cannot be right do not pass without a word,
+//! and those that can are not cried at.
+
+use serde_json::{Value, json};
+use std::process::Command;
+use tempfile::TempDir;
+
+const LAW: &str = "HyperElasticNeoHookeanPlaneStrain2DLaw";
+
+/// A box of neo-Hookean material with four points a cell, in a grid from the origin on; E = 1e6 Pa, 1000 kg/m³.
+fn project(grid: ([f64; 2], [u32; 2]), body: ([f64; 2], [f64; 2], [u32; 2]), solver: Value, end: f64) -> Value {
+    let (size, cells) = grid;
+    let (low, high, own) = body;
+    let mut settings = json!({
+        "solver_type": "dynamic", "model_part_name": "MPM_Material", "domain_size": 2, "max_iteration": 20,
+        "model_import_settings": {"input_type": "use_input_model_part"},
+        "grid_model_import_settings": {"input_type": "use_input_model_part"},
+        "material_import_settings": {"materials": [{
+            "model_part_name": "Initial_MPM_Material.Body", "properties_id": 1,
+            "Material": {"constitutive_law": {"name": LAW}, "Variables": {
+                "DENSITY": 1000.0, "YOUNG_MODULUS": 1e6, "POISSON_RATIO": 0.3, "THICKNESS": 1.0,
+                "MATERIAL_POINTS_PER_ELEMENT": 4}}}]},
+    });
+    settings.as_object_mut().unwrap().extend(solver.as_object().unwrap().clone());
+    let side = |name: &str, side: Value| json!({"name": name, "side": side});
+    json!({
+        "problem_data": {"problem_name": "scene", "parallel_type": "OpenMP", "start_time": 0.0, "end_time": end},
+        "solver_settings": settings,
+        "modelers": [
+            {"name": "Modelers.Bia.RegularGridModeler", "parameters": {
+                "min": [0.0, 0.0, 0.0], "max": [size[0], size[1], 0.0], "divisions": cells,
+                "parts": [side("Sides", json!(["min_x", "max_x"])), side("Floor", json!("min_y")),
+                          {"name": "Top", "side": "max_y", "conditions": "MPMGridLineLoadCondition2D2N"}]}},
+            {"name": "Modelers.Bia.BodyModeler", "parameters": {"bodies": [{"name": "Body", "divisions": own,
+                "primitive": {"type": "box", "min": [low[0], low[1], 0.0], "max": [high[0], high[1], 0.0]}}]}}],
+        "processes": {"list": []},
+    })
+}
+
+fn with(mut project: Value, module: &str, parameters: Value) -> Value {
+    let process = json!({"python_module": module, "Parameters": parameters});
+    project["processes"]["list"].as_array_mut().unwrap().push(process);
+    project
+}
+
+fn hold(project: Value, part: &str, value: Value) -> Value {
+    let held: Vec<bool> = value.as_array().unwrap().iter().map(|value| !value.is_null()).collect();
+    let part = format!("Background_Grid.{part}");
+    let parameters = json!({"model_part_name": part, "variable_name": "DISPLACEMENT", "constrained": held,
+                            "value": value});
+    with(project, "assign_vector_variable_process", parameters)
+}
+
+/// A load on the top of the grid.
+fn load(project: Value, value: Value) -> Value {
+    let parameters = json!({"model_part_name": "Background_Grid.Top", "variable_name": "LINE_LOAD", "value": value});
+    with(project, "assign_vector_variable_to_conditions_process", parameters)
+}
+
+/// The summary of a run that comes to its end, and its warnings in one text. A quiet run has them, too.
+fn run(project: &Value) -> (Value, String) {
+    let folder = TempDir::new().unwrap();
+    std::fs::write(folder.path().join("P.json"), project.to_string()).unwrap();
+    let arguments = ["run", "P.json", "--threads", "1", "--quiet", "--summary", "s.json", "--record", "r.json"];
+    let output = Command::new(env!("CARGO_BIN_EXE_bia")).current_dir(folder.path()).args(arguments).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let read =
+        |name: &str| -> Value { serde_json::from_slice(&std::fs::read(folder.path().join(name)).unwrap()).unwrap() };
+    let mut summary = read("s.json");
+    let warnings: Vec<String> =
+        summary["warnings"].as_array().unwrap().iter().map(|text| text.as_str().unwrap().to_string()).collect();
+    summary["last"] = read("r.json")["snapshots"].as_array().unwrap().last().unwrap().clone();
+    (summary, warnings.join("\n"))
+}
+
+/// A square that spins once in a hundred steps. Functions that are reset each step smooth its motion away;
+/// the mid-point rule with functions that stay keeps its energy, and nothing is told.
+#[test]
+fn energy_that_comes_or_goes_without_work_is_told() {
+    let spinning = |solver: Value| {
+        let project = project(([2.0, 2.0], [8, 8]), ([0.5, 0.5], [1.5, 1.5], [4, 4]), solver, 1.0);
+        let value = json!(["-2*pi*(y-1)", "2*pi*(x-1)", 0.0]);
+        let parameters = json!({"model_part_name": "MPM_Material", "value": value});
+        with(project, "assign_initial_field_to_material_point_process", parameters)
+    };
+    let stepping = json!({"time_step": 0.01});
+    let (lost, told) = run(&spinning(json!({"scheme_type": "newmark", "time_stepping": stepping})));
+    let (first, last) = (3289.87, lost["energy"]["kinetic"].as_f64().unwrap());
+    assert!(last < 0.9 * first && told.contains("their energy has fallen from 3.2899e3 J to"), "{last} {told}");
+    let conserving =
+        json!({"scheme_type": "energy_conserving", "frame": "total_lagrangian", "time_stepping": stepping});
+    let (kept, told) = run(&spinning(conserving.clone()));
+    let sum = kept["energy"]["kinetic"].as_f64().unwrap() + kept["energy"]["strain"].as_f64().unwrap();
+    assert!((sum / first - 1.0).abs() < 1e-3 && told.is_empty(), "{sum} {told}");
+    // Where something works on the body nothing can be said.
+    let gravity = json!({"model_part_name": "MPM_Material", "modulus": 0.01, "direction": [0.0, -1.0, 0.0]});
+    let (_, told) = run(&with(
+        spinning(json!({"scheme_type": "newmark", "time_stepping": {"time_step": 0.01}})),
+        "assign_gravity_to_material_point_process",
+        gravity,
+    ));
+    assert!(!told.contains("energy"), "{told}");
+}
+
+/// A block under a load on the top of the grid, half a cell above which no point stands once it has sunk.
+#[test]
+fn a_load_that_a_body_leaves_behind_is_told() {
+    for solver in [
+        json!({"time_integration_method": "explicit", "scheme_type": "forward_euler", "stress_update": "musl",
+               "time_stepping": {"time_step": 1e-3}}),
+        json!({"scheme_type": "newmark", "time_stepping": {"time_step": 1e-3}}),
+    ] {
+        let loaded = |force: f64, end: f64| {
+            let scene = project(([1.0, 1.0], [4, 4]), ([0.0, 0.0], [1.0, 1.0], [4, 4]), solver.clone(), end);
+            let scene = hold(hold(scene, "Sides", json!([0.0, null, null])), "Floor", json!([null, 0.0, null]));
+            load(scene, json!([0.0, -force, 0.0]))
+        };
+        assert!(run(&loaded(1e3, 0.1)).1.is_empty());
+        let (_, told) = run(&loaded(5e5, 0.1));
+        assert!(told.contains("a load acts on") && told.contains("no material point reaches"), "{told}");
+    }
+}
+
+/// A column whose ends approach by 60 % in one step: the functions of the step are far from the motion,
+/// whether or not Newton's method finds an answer. In statics steps are not in time, and nothing is told.
+#[test]
+fn a_step_that_leaps_is_told() {
+    for (kind, is_told) in [("dynamic", true), ("static", false)] {
+        let solver = json!({"solver_type": kind, "frame": "total_lagrangian", "time_stepping": {"time_step": 1.0}});
+        let scene = project(([1.0, 1.0], [1, 1]), ([0.0, 0.0], [1.0, 1.0], [1, 1]), solver, 0.5);
+        let scene = hold(hold(scene, "Sides", json!([0.0, null, null])), "Floor", json!([null, 0.0, null]));
+        let (summary, told) = run(&hold(scene, "Top", json!([null, -0.6, null])));
+        let gradients = summary["last"]["mp"]["MP_DEFORMATION_GRADIENT"].to_string();
+        assert_eq!(told.contains("changes 2.50 fold in one step"), is_told, "{kind} {told} {gradients}");
+    }
+}
+
+/// Newton's method asks for the same share of the residual whatever the units: of 1e-6 N on a block of a
+/// nanometre 1e-9 N a dof would be a tenth of a per cent, and a share of 1e-9 is 1e-15 N.
+#[test]
+fn an_absolute_tolerance_that_nobody_gave_ends_no_step() {
+    let sunk = |length: f64, tolerance: Option<f64>| {
+        let mut solver = json!({"solver_type": "static", "residual_relative_tolerance": 1e-9,
+                                "time_stepping": {"time_step": 1.0}});
+        if let Some(tolerance) = tolerance {
+            solver["residual_absolute_tolerance"] = tolerance.into();
+        }
+        let scene = project(([length; 2], [2, 2]), ([0.0; 2], [length; 2], [2, 2]), solver, 0.5);
+        let scene = hold(hold(scene, "Sides", json!([0.0, null, null])), "Floor", json!([null, 0.0, null]));
+        let (summary, _) = run(&load(scene, json!([0.0, -1e5, 0.0])));
+        let displacements = &summary["last"]["mp"]["MP_DISPLACEMENT"];
+        let lowest = displacements.as_array().unwrap().iter().map(|u| u[1].as_f64().unwrap() / length);
+        (lowest.fold(0.0, f64::min), summary["iterations"]["largest"].as_u64().unwrap())
+    };
+    let (metre, iterations) = sunk(1.0, None);
+    let (nanometre, same) = sunk(1e-9, None);
+    assert!((nanometre / metre - 1.0).abs() < 1e-8 && same == iterations && iterations > 2, "{nanometre} {metre}");
+    // Given, it counts.
+    let (early, one) = sunk(1e-9, Some(1.0));
+    assert!((early / metre - 1.0).abs() > 1e-4 && one == 1, "{early} {metre} {one}");
+}
