@@ -1,5 +1,6 @@
 //! The part of the grid that holds points: cells with their points, nodes with their dofs.
 
+use crate::grid::GRID;
 use crate::points::lost::{self, LostPoints};
 use crate::points::{Block, MaterialPoints};
 use crate::space::Space;
@@ -7,6 +8,7 @@ use bia_kernel::error::Failure;
 use bia_kernel::geometry::CellLocator;
 use bia_kernel::io::checkpoint::{Archive, CheckpointError};
 use bia_kernel::model::ModelPart;
+use bia_kernel::solving::solver::Reached;
 use rayon::prelude::*;
 
 /// Marks a point that has no cell.
@@ -52,13 +54,16 @@ impl ActiveCells {
         self.runs(index).iter().flat_map(|run| (run.first..run.first + run.count).map(|point| (run.block, point)))
     }
 
-    /// Nodes of the grid whose cells have held points at any time.
-    pub fn reached_nodes(&self, grid: &ModelPart) -> Vec<bool> {
-        let mut nodes = vec![false; grid.nodes.len()];
-        for (cell, _) in self.reached.iter().enumerate().filter(|(_, reached)| **reached) {
-            grid.elements.nodes_of(cell).iter().for_each(|node| nodes[*node as usize] = true);
-        }
-        nodes
+    /// Nodes of the grid whose cells hold points, and have held some at any time.
+    pub fn reached_nodes(&self, grid: &ModelPart) -> Reached {
+        let nodes_of = |cells: &mut dyn Iterator<Item = usize>| {
+            let mut nodes = vec![false; grid.nodes.len()];
+            cells.for_each(|cell| grid.elements.nodes_of(cell).iter().for_each(|node| nodes[*node as usize] = true));
+            nodes
+        };
+        let now = nodes_of(&mut self.cells.iter().map(|cell| *cell as usize));
+        let ever = nodes_of(&mut (0..self.reached.len()).filter(|cell| self.reached[*cell]));
+        Reached { root: GRID, now, ever }
     }
 
     /// Saves or loads the cells as they are: a point may have changed its cell since they were gathered.

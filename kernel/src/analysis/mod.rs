@@ -6,6 +6,7 @@ mod checkpoints;
 mod old_names;
 mod prepare;
 mod project;
+mod reach;
 mod restart;
 mod schema;
 mod step;
@@ -67,6 +68,8 @@ pub struct Analysis {
     adjustable: Vec<&'static str>,
     warnings: Vec<String>,
     resumed: bool,
+    /// Nodes at which bodies were in the first step; empty in runs that were resumed.
+    reached_first: Vec<bool>,
     /// In J, where nothing works on the bodies.
     energy_at_start: Option<f64>,
     stages: Vec<(&'static str, Duration)>,
@@ -236,30 +239,6 @@ impl Analysis {
         Ok(self.restart.as_mut().map_or(Ok(()), Restart::clear)?)
     }
 
-    /// Processes on parts of the grid that no body has reached; not told of a run that was resumed, which
-    /// does not know what was reached before.
-    fn unreached(&self) -> Vec<String> {
-        let Some((root, reached)) = self.solver.reached(&self.model).filter(|_| !self.resumed) else {
-            return Vec::new();
-        };
-        let mut told: Vec<String> = Vec::new();
-        for (_, group) in self.project.child("processes").map_or(Vec::new(), |processes| processes.members()) {
-            let parts =
-                group.entries().into_iter().filter_map(|block| block.child("Parameters")?.child("model_part_name"));
-            for part in parts {
-                let path = part.value().as_str().unwrap_or_default();
-                let members = self.model.members(path).filter(|members| members.root == root && path != root);
-                let idle = |nodes: &[u32]| !nodes.is_empty() && nodes.iter().all(|node| !reached[*node as usize]);
-                if members.is_some_and(|members| idle(&members.nodes)) {
-                    let message =
-                        format!("no body has reached the nodes of {path} in this run: what acts there had no effect");
-                    told.push(part.warning(message).to_string());
-                }
-            }
-        }
-        told
-    }
-
     /// Brings the scene to its start, or to the state of a checkpoint.
     fn begin(
         &mut self,
@@ -301,6 +280,9 @@ impl Analysis {
         while self.clock.time < self.clock.end {
             let step = self.solver.time_step(&self.model, &self.clock)?;
             let report = self.take_step(step)?;
+            if self.clock.step == 1 {
+                self.reached_first = self.solver.reached(&self.model).map_or(Vec::new(), |reached| reached.now);
+            }
             if self.first_stable.is_none() {
                 self.first_stable = self.solver.stable_time_step(&self.model);
             }

@@ -88,6 +88,7 @@ impl Analysis {
             adjustable,
             warnings,
             resumed: false,
+            reached_first: Vec::new(),
             energy_at_start: None,
             stages: Vec::new(),
             account: None,

@@ -28,6 +28,17 @@ pub struct Inventory {
     pub warnings: Vec<String>,
 }
 
+/// Nodes of a grid in which bodies move.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Reached {
+    /// The root part of the grid.
+    pub root: &'static str,
+    /// Whether a body is at each node.
+    pub now: Vec<bool>,
+    /// Whether one has been there at any time.
+    pub ever: Vec<bool>,
+}
+
 /// Sizes of a scene as numbers; 0 where there is no such thing.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Counts {
@@ -152,10 +163,9 @@ pub trait Solver: Send {
         Vec::new()
     }
 
-    /// The root part on which bodies move, and which of its nodes they have reached so far; none where bodies
-    /// are meshes.
+    /// The nodes on which bodies are and were; none where bodies are meshes.
     #[allow(unused_variables)]
-    fn reached(&self, model: &Model) -> Option<(&'static str, Vec<bool>)> {
+    fn reached(&self, model: &Model) -> Option<Reached> {
         None
     }
 

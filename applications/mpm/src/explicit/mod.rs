@@ -42,7 +42,7 @@ use bia_kernel::io::json::JsonObject;
 use bia_kernel::model::{Model, ModelPart};
 use bia_kernel::processes::{Clock, Context, Location, Process, Requirements, ResetNodes, RunOptions};
 use bia_kernel::registry::Registry;
-use bia_kernel::solving::solver::{Inventory, Solver};
+use bia_kernel::solving::solver::{Inventory, Reached, Solver};
 use bia_kernel::solving::{StepReport, System};
 use bia_kernel::variables::Variable;
 use cells::Mapping;
@@ -406,8 +406,8 @@ impl Solver for Explicit {
         crate::inventory::remarks(model)
     }
 
-    fn reached(&self, model: &Model) -> Option<(&'static str, Vec<bool>)> {
-        Some((GRID, self.active.reached_nodes(model.part(GRID)?)))
+    fn reached(&self, model: &Model) -> Option<Reached> {
+        Some(self.active.reached_nodes(model.part(GRID)?))
     }
 
     fn account(&self, model: &Model) -> serde_json::Map<String, serde_json::Value> {

@@ -28,7 +28,7 @@ use bia_kernel::model::{Model, ModelPart};
 use bia_kernel::processes::{Clock, Context, Location, Process, Requirements, ResetNodes, RunOptions};
 use bia_kernel::registry::Registry;
 use bia_kernel::solving::newton::OnNoConvergence;
-use bia_kernel::solving::solver::{Inventory, Solver};
+use bia_kernel::solving::solver::{Inventory, Reached, Solver};
 use bia_kernel::solving::{ActiveDofs, Criterion, NodalFrames, NonlinearSystem, StepReport, System};
 use element::Rule;
 use kratos_faults::KratosFaults;
@@ -467,8 +467,8 @@ impl Solver for Implicit {
         crate::inventory::remarks(model)
     }
 
-    fn reached(&self, model: &Model) -> Option<(&'static str, Vec<bool>)> {
-        Some((GRID, self.active.reached_nodes(model.part(GRID)?)))
+    fn reached(&self, model: &Model) -> Option<Reached> {
+        Some(self.active.reached_nodes(model.part(GRID)?))
     }
 
     fn account(&self, model: &Model) -> serde_json::Map<String, serde_json::Value> {
