@@ -1,11 +1,12 @@
 //! What a run that comes to its end tells of itself: results that cannot be right do not pass without a word,
 //! and those that can are not cried at.
 
+mod common;
+
+use common::{fix, gravity, material, process};
 use serde_json::{Value, json};
 use std::process::Command;
 use tempfile::TempDir;
-
-const LAW: &str = "HyperElasticNeoHookeanPlaneStrain2DLaw";
 
 /// A box of neo-Hookean material with four points a cell, in a grid from the origin on; E = 1e6 Pa, 1000 kg/m³.
 fn project(grid: ([f64; 2], [u32; 2]), body: ([f64; 2], [f64; 2], [u32; 2]), solver: Value, end: f64) -> Value {
@@ -17,9 +18,7 @@ fn project(grid: ([f64; 2], [u32; 2]), body: ([f64; 2], [f64; 2], [u32; 2]), sol
         "grid_model_import_settings": {"input_type": "use_input_model_part"},
         "material_import_settings": {"materials": [{
             "model_part_name": "Initial_MPM_Material.Body", "properties_id": 1,
-            "Material": {"constitutive_law": {"name": LAW}, "Variables": {
-                "DENSITY": 1000.0, "YOUNG_MODULUS": 1e6, "POISSON_RATIO": 0.3, "THICKNESS": 1.0,
-                "MATERIAL_POINTS_PER_ELEMENT": 4}}}]},
+            "Material": material("HyperElasticNeoHookeanPlaneStrain2DLaw", 4, 1000.0, 1e6, 0.3)}]},
     });
     settings.as_object_mut().unwrap().extend(solver.as_object().unwrap().clone());
     let side = |name: &str, side: Value| json!({"name": name, "side": side});
@@ -37,24 +36,26 @@ fn project(grid: ([f64; 2], [u32; 2]), body: ([f64; 2], [f64; 2], [u32; 2]), sol
     })
 }
 
-fn with(mut project: Value, module: &str, parameters: Value) -> Value {
-    let process = json!({"python_module": module, "Parameters": parameters});
+fn with(mut project: Value, process: Value) -> Value {
     project["processes"]["list"].as_array_mut().unwrap().push(process);
     project
 }
 
-fn hold(project: Value, part: &str, value: Value) -> Value {
-    let held: Vec<bool> = value.as_array().unwrap().iter().map(|value| !value.is_null()).collect();
-    let part = format!("Background_Grid.{part}");
-    let parameters = json!({"model_part_name": part, "variable_name": "DISPLACEMENT", "constrained": held,
-                            "value": value});
-    with(project, "assign_vector_variable_process", parameters)
+/// Initial velocities of all points.
+fn moving(project: Value, velocity: Value) -> Value {
+    let parameters = json!({"model_part_name": "MPM_Material", "value": velocity});
+    with(project, process("assign_initial_field_to_material_point_process", parameters))
+}
+
+/// On rollers at the floor and the sides.
+fn on_rollers(project: Value) -> Value {
+    with(with(project, fix("Sides", json!([0.0, null, null]))), fix("Floor", json!([null, 0.0, null])))
 }
 
 /// A load on the top of the grid.
 fn load(project: Value, value: Value) -> Value {
     let parameters = json!({"model_part_name": "Background_Grid.Top", "variable_name": "LINE_LOAD", "value": value});
-    with(project, "assign_vector_variable_to_conditions_process", parameters)
+    with(project, process("assign_vector_variable_to_conditions_process", parameters))
 }
 
 /// The summary of a run that comes to its end, and its warnings in one text. A quiet run has them, too.
@@ -79,9 +80,7 @@ fn run(project: &Value) -> (Value, String) {
 fn energy_that_comes_or_goes_without_work_is_told() {
     let spinning = |solver: Value| {
         let project = project(([2.0, 2.0], [8, 8]), ([0.5, 0.5], [1.5, 1.5], [4, 4]), solver, 1.0);
-        let value = json!(["-2*pi*(y-1)", "2*pi*(x-1)", 0.0]);
-        let parameters = json!({"model_part_name": "MPM_Material", "value": value});
-        with(project, "assign_initial_field_to_material_point_process", parameters)
+        moving(project, json!(["-2*pi*(y-1)", "2*pi*(x-1)", 0.0]))
     };
     let stepping = json!({"time_step": 0.01});
     let (lost, told) = run(&spinning(json!({"scheme_type": "newmark", "time_stepping": stepping})));
@@ -93,12 +92,8 @@ fn energy_that_comes_or_goes_without_work_is_told() {
     let sum = kept["energy"]["kinetic"].as_f64().unwrap() + kept["energy"]["strain"].as_f64().unwrap();
     assert!((sum / first - 1.0).abs() < 1e-3 && told.is_empty(), "{sum} {told}");
     // Where something works on the body nothing can be said.
-    let gravity = json!({"model_part_name": "MPM_Material", "modulus": 0.01, "direction": [0.0, -1.0, 0.0]});
-    let (_, told) = run(&with(
-        spinning(json!({"scheme_type": "newmark", "time_stepping": {"time_step": 0.01}})),
-        "assign_gravity_to_material_point_process",
-        gravity,
-    ));
+    let newmark = json!({"scheme_type": "newmark", "time_stepping": {"time_step": 0.01}});
+    let (_, told) = run(&with(spinning(newmark), gravity([0.0, -0.01, 0.0])));
     assert!(!told.contains("energy"), "{told}");
 }
 
@@ -112,8 +107,7 @@ fn a_load_that_a_body_leaves_behind_is_told() {
     ] {
         let loaded = |force: f64, end: f64| {
             let scene = project(([1.0, 1.0], [4, 4]), ([0.0, 0.0], [1.0, 1.0], [4, 4]), solver.clone(), end);
-            let scene = hold(hold(scene, "Sides", json!([0.0, null, null])), "Floor", json!([null, 0.0, null]));
-            load(scene, json!([0.0, -force, 0.0]))
+            load(on_rollers(scene), json!([0.0, -force, 0.0]))
         };
         assert!(run(&loaded(1e3, 0.1)).1.is_empty());
         let (_, told) = run(&loaded(5e5, 0.1));
@@ -127,9 +121,8 @@ fn a_body_that_comes_loose_is_told() {
     for (speed, is_told) in [(1.0, true), (0.0, false)] {
         let solver = json!({"scheme_type": "newmark", "time_stepping": {"time_step": 0.01}});
         let scene = project(([1.0, 2.0], [4, 8]), ([0.25, 0.19], [0.75, 0.69], [2, 2]), solver, 0.5);
-        let parameters = json!({"model_part_name": "MPM_Material", "value": [0.0, speed, 0.0]});
-        let scene = with(scene, "assign_initial_field_to_material_point_process", parameters);
-        let (_, told) = run(&hold(scene, "Floor", json!([null, 0.0, null])));
+        let scene = moving(scene, json!([0.0, speed, 0.0]));
+        let (_, told) = run(&with(scene, fix("Floor", json!([null, 0.0, null]))));
         let says = told.contains("the bodies have come away from the nodes of Background_Grid.Floor");
         assert_eq!(says, is_told, "{speed} {told}");
     }
@@ -142,8 +135,7 @@ fn a_step_that_leaps_is_told() {
     for (kind, is_told) in [("dynamic", true), ("static", false)] {
         let solver = json!({"solver_type": kind, "frame": "total_lagrangian", "time_stepping": {"time_step": 1.0}});
         let scene = project(([1.0, 1.0], [1, 1]), ([0.0, 0.0], [1.0, 1.0], [1, 1]), solver, 0.5);
-        let scene = hold(hold(scene, "Sides", json!([0.0, null, null])), "Floor", json!([null, 0.0, null]));
-        let (summary, told) = run(&hold(scene, "Top", json!([null, -0.6, null])));
+        let (summary, told) = run(&with(on_rollers(scene), fix("Top", json!([null, -0.6, null]))));
         let gradients = summary["last"]["mp"]["MP_DEFORMATION_GRADIENT"].to_string();
         assert_eq!(told.contains("changes 2.50 fold in one step"), is_told, "{kind} {told} {gradients}");
     }
@@ -160,8 +152,7 @@ fn an_absolute_tolerance_that_nobody_gave_ends_no_step() {
             solver["residual_absolute_tolerance"] = tolerance.into();
         }
         let scene = project(([length; 2], [2, 2]), ([0.0; 2], [length; 2], [2, 2]), solver, 0.5);
-        let scene = hold(hold(scene, "Sides", json!([0.0, null, null])), "Floor", json!([null, 0.0, null]));
-        let (summary, _) = run(&load(scene, json!([0.0, -1e5, 0.0])));
+        let (summary, _) = run(&load(on_rollers(scene), json!([0.0, -1e5, 0.0])));
         let displacements = &summary["last"]["mp"]["MP_DISPLACEMENT"];
         let lowest = displacements.as_array().unwrap().iter().map(|u| u[1].as_f64().unwrap() / length);
         (lowest.fold(0.0, f64::min), summary["iterations"]["largest"].as_u64().unwrap())

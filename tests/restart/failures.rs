@@ -93,7 +93,8 @@ fn a_smaller_time_step_goes_on_from_the_failure() {
     let record: Value = serde_json::from_slice(&fs::read(failed.path().join("out/record.json")).unwrap()).unwrap();
     let (end, steps) = (record["end_time"].as_f64().unwrap(), record["steps"].as_u64().unwrap());
     assert!((end - 0.095).abs() < 1e-12, "{end}");
-    assert!((11..19).contains(&steps), "{steps} steps, the first of them large");
+    // Step 10 fails; step 8 has a checkpoint, and step 9 is kept where that takes next to no time of the run.
+    assert!(steps == 8 + 3 || steps == 9 + 1, "{steps} steps, the first of them large");
     let states = record["snapshots"].as_array().unwrap();
     assert_eq!(states.last().unwrap()["step"], steps, "the last state is in the record");
 }

@@ -8,7 +8,8 @@ const PAGE: &str = "\
 --good:#00664a;--fair:#8a5a00;--bad:#a8321a;--none:#59626d}\
 @media (prefers-color-scheme:dark){:root{--ink:#e6e8eb;--soft:#a3abb5;--rule:#343b44;--ground:#15181c;--panel:#1d2126;\
 --link:#7cc4f0;--good:#4cd6a8;--fair:#ffc24d;--bad:#ff8f70;--none:#a3abb5}}\
-*{box-sizing:border-box}body{margin:0;background:var(--ground);color:var(--ink);font:15px/1.55 system-ui,sans-serif}\
+*{box-sizing:border-box}body{margin:0;background:var(--ground);color:var(--ink);font:15px/1.55 system-ui,sans-serif;\
+overflow-wrap:break-word}\
 main{max-width:70rem;margin:0 auto;padding:2.5rem 1.25rem 4rem}h1{font-size:1.75rem;line-height:1.2;margin:0 0 .5rem}\
 h2{font-size:1.2rem;margin:2.5rem 0 .5rem}h3{font-size:1rem;margin:1.5rem 0 .25rem}p{max-width:48rem;margin:.5rem 0}\
 .soft{color:var(--soft)}.advice{border-left:3px solid var(--link);padding:.1rem 0 .1rem 1rem;margin:1rem 0}\

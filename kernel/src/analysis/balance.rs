@@ -28,8 +28,8 @@ impl Analysis {
             }
         };
         Some(format!(
-            "nothing has worked on the bodies, and yet their energy has {what} from {start:.4e} J to {end:.4e} J: \
-             {advice}"
+            "nothing works on the bodies at the start and the end of the run, and yet their energy has {what} from \
+             {start:.4e} J to {end:.4e} J: unless something worked in between, {advice}"
         ))
     }
 }

@@ -33,12 +33,15 @@ pub trait NonlinearSystem {
 
     /// Round-off of the residual of a dof, in units of ε h |K_ii|.
     fn round_off(&self) -> f64 {
-        64.0
+        ROUND_OFF
     }
 
     /// Id and place of a dof, for messages.
     fn describe_dof(&self, dof: usize) -> (String, [f64; 3]);
 }
+
+/// Round-off of a residual whose forces are those of a deformation gradient, in units of ε h |K_ii|.
+pub const ROUND_OFF: f64 = 64.0;
 
 /// Keys of the method in `solver_settings`.
 pub const CONVERGENCE: [Key; 8] = [

@@ -338,7 +338,6 @@ impl Solver for Explicit {
     }
 
     fn stable_time_step(&self, model: &Model) -> Option<f64> {
-        // Before the run the points' cells stand with them alone.
         let stable = match self.active.cells.is_empty() {
             // Before the run the points alone know their cells.
             true => self.limits.stable_step_of(self.limits.smallest_under(points_of(model)?)),
@@ -399,7 +398,8 @@ impl Solver for Explicit {
     }
 
     fn is_closed(&self, model: &Model) -> bool {
-        crate::inventory::is_closed(model)
+        // Energies are of the points' own velocities, without what an affine one adds.
+        !matches!(self.settings.transfer, Transfer::Apic | Transfer::Tpic) && crate::inventory::is_closed(model)
     }
 
     fn remarks(&self, model: &Model) -> Vec<String> {

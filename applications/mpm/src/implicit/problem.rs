@@ -13,6 +13,7 @@ use crate::space::{Space, with_basis};
 use bia_kernel::error::{Error, Failure};
 use bia_kernel::lanes::dispatch;
 use bia_kernel::model::ModelPart;
+use bia_kernel::solving::newton::ROUND_OFF;
 use bia_kernel::solving::scheme::Coefficients;
 use bia_kernel::solving::{ActiveDofs, CellBuffer, NonlinearSystem, System};
 
@@ -191,7 +192,7 @@ impl NonlinearSystem for Problem<'_> {
 
     fn round_off(&self) -> f64 {
         match self.rule {
-            Rule::EndPoint => 64.0,
+            Rule::EndPoint => ROUND_OFF,
             // That of the energy over the least strain that it is divided by.
             Rule::MidPoint => 1.0 / SAME,
         }

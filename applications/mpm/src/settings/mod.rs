@@ -302,9 +302,11 @@ fn explicit(s: &Settings) -> ExplicitSettings {
 /// Newton's method; energy is kept as well as the equations are solved, so that a scheme that conserves
 /// it has tight tolerances unless others are given.
 fn newton(s: &Settings, kratos_exact: bool) -> Newton {
-    let mut newton = Newton::read(s, kratos_exact);
+    // Kratos has no such scheme whose tolerances could be repeated.
+    let conserves_energy = conserves_energy(s);
+    let mut newton = Newton::read(s, kratos_exact && !conserves_energy);
     if let Some(Criterion::Residual(tolerances)) = &mut newton.criterion
-        && conserves_energy(s)
+        && conserves_energy
         && !s.given("residual_relative_tolerance")
     {
         tolerances.relative = 1e-11;
