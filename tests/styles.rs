@@ -132,6 +132,27 @@ fn supports_by_component_by_direction_and_in_the_mesh_file() {
     )]);
     assert_eq!(by_direction.run(), plain, "by direction");
 
+    // Kratos's fix processes take no value and leave what is there, here what another process assigned.
+    let rising = |fixes: Option<Value>| {
+        let mut copy = Copy::new();
+        let value = json!([null, 1e-3, null]);
+        let parameters = json!({"model_part_name": floor, "variable_name": "DISPLACEMENT", "value": value,
+                                "constrained": [fixes.is_none(), fixes.is_none(), false]});
+        let fixed = |axis: &str| {
+            let parameters = json!({"model_part_name": floor, "variable_name": format!("DISPLACEMENT_{axis}")});
+            process("fix_scalar_variable_process", parameters)
+        };
+        copy.project["processes"]["constraints_process_list"] = Value::from_iter(
+            [process("assign_vector_variable_process", parameters), fixed("X")].into_iter().chain(fixes),
+        );
+        copy.run()
+    };
+    let parameters =
+        json!({"model_part_name": floor, "variable_name": "DISPLACEMENT", "constrained": [false, true, false]});
+    let by_fixing = rising(Some(process("fix_vector_variable_process", parameters)));
+    let at_once = rising(None);
+    assert!(by_fixing == at_once && at_once != plain, "fixed as it is");
+
     let mut in_file = Copy::new();
     in_file.project["processes"]["constraints_process_list"] = json!([]);
     in_file.edit("Grid", |text| {

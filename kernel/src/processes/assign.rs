@@ -58,6 +58,16 @@ const SCALAR: &[Key] = &[
     Key::new("constrained", Kind::Bool, "true", "whether it becomes fixed"),
     Key::new("value", Kind::Function, "0.0", "the value"),
 ];
+const FIX_VECTOR: &[Key] = &[
+    PART,
+    VARIABLE,
+    INTERVAL,
+    HELP,
+    MESH,
+    Key::new("constrained", Kind::Bools3, "[true, true, true]", "components that become fixed"),
+];
+const FIX_SCALAR: &[Key] =
+    &[PART, VARIABLE, INTERVAL, HELP, MESH, Key::new("constrained", Kind::Bool, "true", "whether it becomes fixed")];
 const CONDITION_SCALAR: &[Key] =
     &[PART, VARIABLE, INTERVAL, AXES, HELP, MESH, Key::new("value", Kind::Function, "0.0", "the value")];
 const CONDITION_VECTOR: &[Key] = &[
@@ -79,18 +89,8 @@ pub fn register(registry: &mut Registry) {
             vector(b, Target::Nodes)
         })
     });
-    registry.process(entry(
-        "fix_vector_variable_process",
-        VECTOR,
-        "fixes a vector on nodes, at zero by default",
-        |b| vector(b, Target::Nodes),
-    ));
-    registry.process(entry(
-        "fix_scalar_variable_process",
-        SCALAR,
-        "fixes a scalar on nodes, at zero by default",
-        |b| scalar(b, Target::Nodes),
-    ));
+    registry.process(entry("fix_vector_variable_process", FIX_VECTOR, "fixes a vector on nodes as it is", fix_vector));
+    registry.process(entry("fix_scalar_variable_process", FIX_SCALAR, "fixes a scalar on nodes as it is", fix_scalar));
     registry.process(entry(
         "assign_vector_by_direction_process",
         BY_DIRECTION,
@@ -138,7 +138,7 @@ enum Target {
     Conditions,
 }
 
-/// Assigns up to three components of a variable while its interval lasts.
+/// Assigns or fixes up to three components of a variable, or both, while its interval lasts.
 struct Assign {
     name: &'static str,
     settings: Settings,
@@ -168,6 +168,8 @@ fn vector(building: Building, target: Target) -> Result<Box<dyn Process>, InputE
                     settings.error("value", "is null for every component, so this process does nothing").help(help),
                 );
             }
+            // A component whose value is null is left alone, as in Kratos.
+            let fixes = std::array::from_fn(|i| fixes[i] && values[i].is_some());
             errors.or(assign("assign_vector_variable", settings, target, variable, values, fixes))
         }
         _ => Err(errors),
@@ -198,14 +200,28 @@ fn scalar(building: Building, target: Target) -> Result<Box<dyn Process>, InputE
     let fixed = target == Target::Nodes && settings.flag("constrained");
     match (variable, value) {
         (Some((variable, component)), Some(value)) => {
-            let component = component.or((variable.rank == Rank::Scalar).then_some(0));
+            let component = component.unwrap_or(0);
             let mut values = [None, None, None];
-            values[component.unwrap_or(0)] = Some(value);
-            let fixes = std::array::from_fn(|i| fixed && Some(i) == component);
+            values[component] = Some(value);
+            let fixes = std::array::from_fn(|i| fixed && i == component);
             errors.or(assign("assign_scalar_variable", settings, target, variable, values, fixes))
         }
         _ => Err(errors),
     }
+}
+
+fn fix_vector(building: Building) -> Result<Box<dyn Process>, InputErrors> {
+    let settings = building.settings;
+    let (variable, _) = building.registry.variable_of(&settings, "variable_name", Rank::Vector)?;
+    let fixes = settings.flags("constrained");
+    Ok(assign("fix_vector_variable", settings, Target::Nodes, variable, [None, None, None], fixes))
+}
+
+fn fix_scalar(building: Building) -> Result<Box<dyn Process>, InputErrors> {
+    let settings = building.settings;
+    let (variable, component) = building.registry.variable_of(&settings, "variable_name", Rank::Scalar)?;
+    let fixes = std::array::from_fn(|i| settings.flag("constrained") && i == component.unwrap_or(0));
+    Ok(assign("fix_scalar_variable", settings, Target::Nodes, variable, [None, None, None], fixes))
 }
 
 fn assign(
@@ -307,8 +323,7 @@ impl Assign {
         let fixed = part.node_fields.fixed_mut(&self.variable, count);
         for &index in chosen {
             for component in 0..3 {
-                // A component whose value is null is left alone, as in Kratos.
-                if self.fixes[component] && self.values[component].is_some() {
+                if self.fixes[component] {
                     fixed[index as usize][component] = state;
                 }
             }
