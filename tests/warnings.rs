@@ -141,6 +141,29 @@ fn a_step_that_leaps_is_told() {
     }
 }
 
+/// A solid that falls freely is without stress; ASGS without inertia holds its weight by pressure all the same.
+#[test]
+fn weight_that_asgs_takes_as_borne_is_told() {
+    let largest = |stabilization: &str, parameters: Value| {
+        let solver = json!({"scheme_type": "newmark", "time_stepping": {"time_step": 0.01}, "pressure_dofs": true,
+                            "stabilization": stabilization, "stabilization_parameters": parameters});
+        let mut scene = project(([2.0, 2.0], [8, 8]), ([0.5, 0.75], [1.5, 1.75], [4, 4]), solver, 0.1);
+        let law = "/solver_settings/material_import_settings/materials/0/Material/constitutive_law/name";
+        *scene.pointer_mut(law).unwrap() = "HyperElasticNeoHookeanPlaneStrainUP2DLaw".into();
+        let (summary, told) = run(&with(scene, gravity([0.0, -10.0, 0.0])));
+        let pressures = summary["last"]["mp"]["MP_PRESSURE"].as_array().unwrap().clone();
+        let largest = pressures.iter().map(|p| p.as_f64().unwrap().abs()).fold(0.0, f64::max);
+        (largest, told.contains("asgs takes the weight of a solid as borne by its stress"))
+    };
+    let weight = 1000.0 * 10.0;
+    let (pressure, told) = largest("asgs", json!({}));
+    assert!(pressure > 0.1 * weight && told, "{pressure}");
+    for (stabilization, parameters) in [("asgs", json!({"inertia": true})), ("osgs", json!({})), ("ppp", json!({}))] {
+        let (pressure, told) = largest(stabilization, parameters);
+        assert!(pressure < 1e-6 * weight && !told, "{stabilization}: {pressure}");
+    }
+}
+
 /// Newton's method asks for the same share of the residual whatever the units: of 1e-6 N on a block of a
 /// nanometre 1e-9 N a dof would be a tenth of a per cent, and a share of 1e-9 is 1e-15 N.
 #[test]

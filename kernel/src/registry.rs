@@ -1,144 +1,19 @@
 //! The registry: every component an input file can name. Applications add theirs explicitly, one
 //! line each; nothing registers itself.
 
-use crate::diagnostic::{Diagnostic, InputErrors, nearest};
+mod build;
+mod entries;
+
+use crate::diagnostic::{Diagnostic, InputErrors};
 use crate::geometry::Shape;
 use crate::io::mdpa::{Category, CellNames};
-use crate::model::Model;
 use crate::parameters::{Key, Parameters, Settings};
-use crate::processes::{Location, Process, RunOptions};
-use crate::solving::solver::Solver;
 use crate::variables::{Rank, Variable};
+pub use entries::{
+    BuildSolver, Building, Description, Kinds, Modeler, ModelerEntry, ProcessEntry, Provider, SolverEntry,
+};
 use std::any::{Any, TypeId};
 use std::collections::HashMap;
-use std::path::PathBuf;
-
-/// What a component is built from.
-pub struct Building<'a> {
-    /// Its checked settings.
-    pub settings: Settings,
-    /// All components, for names that the settings mention.
-    pub registry: &'a Registry,
-    /// Choices of the run.
-    pub options: &'a RunOptions,
-    /// The whole project, for the few components that look beside their own settings.
-    pub project: &'a Parameters,
-}
-
-impl Building<'_> {
-    /// A result file, refused where it would take the place of an input file.
-    ///
-    /// # Errors
-    /// The file is the project, its materials or a mesh.
-    pub fn result_file(&self, path: PathBuf) -> Result<PathBuf, InputErrors> {
-        match self.project.is_input(&path) {
-            true => {
-                let message = format!("the result {} would overwrite an input file", path.display());
-                Err(self.settings.parameters().error(message).help("choose another name or folder").into())
-            }
-            false => Ok(path),
-        }
-    }
-}
-
-/// A process and how to build it.
-#[derive(Clone, Copy)]
-pub struct ProcessEntry {
-    /// Its `python_module`.
-    pub name: &'static str,
-    /// Older names.
-    pub aliases: &'static [&'static str],
-    /// The application it belongs to; none for the kernel.
-    pub application: Option<&'static str>,
-    /// Keys of its `Parameters`.
-    pub keys: &'static [Key],
-    /// What it does.
-    pub help: &'static str,
-    /// Builds it.
-    pub build: fn(Building) -> Result<Box<dyn Process>, InputErrors>,
-}
-
-/// Makes or changes model parts before the solver sees them.
-pub trait Modeler: Send {
-    /// Creates model parts and reads or makes their meshes.
-    ///
-    /// # Errors
-    /// Faults of the input, all together.
-    fn setup_geometry(&mut self, model: &mut Model, registry: &Registry) -> Result<(), InputErrors>;
-
-    /// Turns geometries into elements and conditions.
-    ///
-    /// # Errors
-    /// Faults of the input, all together.
-    #[allow(unused_variables)]
-    fn setup_model_part(&mut self, model: &mut Model, registry: &Registry) -> Result<(), InputErrors> {
-        Ok(())
-    }
-}
-
-/// A modeler and how to build it.
-#[derive(Clone, Copy)]
-pub struct ModelerEntry {
-    /// Its name; leading module names are ignored in the input.
-    pub name: &'static str,
-    /// Keys of its `parameters`.
-    pub keys: &'static [Key],
-    /// Keys of the objects in its lists, with words for which they are.
-    pub lists: fn() -> Vec<(String, &'static [Key])>,
-    /// What it does.
-    pub help: &'static str,
-    /// Builds it.
-    pub build: fn(Building) -> Result<Box<dyn Modeler>, InputErrors>,
-}
-
-/// Builds a solver from `solver_settings`.
-pub type BuildSolver = fn(&Parameters, &Registry, &RunOptions) -> Result<Box<dyn Solver>, InputErrors>;
-
-/// A solver and how to build it.
-#[derive(Clone, Copy)]
-pub struct SolverEntry {
-    /// Values of `solver_type` that choose it (compared without regard to case, `-` and `_`).
-    pub types: &'static [&'static str],
-    /// Keys of `solver_settings`.
-    pub keys: &'static [Key],
-    /// What it does.
-    pub help: &'static str,
-    /// Builds it from `solver_settings`.
-    pub build: BuildSolver,
-}
-
-/// A component of an application's own kind, such as a constitutive law, as a user may ask for it.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Description {
-    /// Its name.
-    pub name: String,
-    /// Other names.
-    pub aliases: Vec<String>,
-    /// What it is.
-    pub help: String,
-    /// What it takes: name, unit, range, meaning.
-    pub values: Vec<[String; 4]>,
-}
-
-/// A kind of components that an application keeps in a catalogue of its own.
-#[derive(Clone, Copy)]
-pub struct Kinds {
-    /// What they are called together, such as "laws".
-    pub title: &'static str,
-    /// Describes them.
-    pub describe: fn(&Registry) -> Vec<Description>,
-}
-
-/// What a kind of solver can show, so that who asks another one for it learns where it is.
-#[derive(Debug, Clone, Copy)]
-pub struct Provider {
-    /// The solver in words, such as "structural solvers".
-    pub who: &'static str,
-    /// Where the variables are.
-    pub location: Location,
-    /// Their names.
-    pub variables: fn() -> Vec<&'static str>,
-}
 
 /// All components.
 #[derive(Default)]
@@ -312,77 +187,6 @@ impl Registry {
         diagnostic.allowed(name, self.variables.iter().map(|v| v.name)).into()
     }
 
-    /// The process of a block: `{"python_module": …, "kratos_module": …, "Parameters": {…}}`.
-    ///
-    /// # Errors
-    /// An unknown module, or faults of its parameters.
-    pub fn build_process(
-        &self,
-        block: &Parameters,
-        project: &Parameters,
-        options: &RunOptions,
-    ) -> Result<Box<dyn Process>, InputErrors> {
-        check_block(block)?;
-        let name = block.text("python_module")?;
-        let last = name.rsplit('.').next().unwrap_or(&name);
-        let Some(entry) = self.process_named(&name) else {
-            let place = block.child("python_module").unwrap_or_else(|| block.clone());
-            let message = format!("there is no process {name:?}");
-            return Err(place.error(message).allowed(last, self.processes.iter().map(|e| e.name)).into());
-        };
-        let Some(parameters) = block.child("Parameters") else {
-            return Err(block.error("the key \"Parameters\" is missing").into());
-        };
-        let settings = parameters.read(entry.keys)?;
-        (entry.build)(Building { settings, registry: self, options, project })
-    }
-
-    /// The modeler of a block, in the new (`name`, `parameters`) or old (`modeler_name`,
-    /// `Parameters`) form.
-    ///
-    /// # Errors
-    /// An unknown name, or faults of its parameters.
-    pub fn build_modeler(
-        &self,
-        block: &Parameters,
-        project: &Parameters,
-        options: &RunOptions,
-    ) -> Result<Box<dyn Modeler>, InputErrors> {
-        let key = if block.child("name").is_some() { "name" } else { "modeler_name" };
-        let name = block.text(key)?;
-        let last = name.rsplit('.').next().unwrap_or(&name);
-        let Some(entry) = self.modelers.iter().find(|e| e.name == last) else {
-            let place = block.child(key).unwrap_or_else(|| block.clone());
-            let message = format!("there is no modeler {name:?}");
-            return Err(place.error(message).allowed(last, self.modelers.iter().map(|e| e.name)).into());
-        };
-        let Some(parameters) = block.child("parameters").or_else(|| block.child("Parameters")) else {
-            return Err(block.error("the key \"parameters\" is missing").into());
-        };
-        let settings = parameters.read(entry.keys)?;
-        (entry.build)(Building { settings, registry: self, options, project })
-    }
-
-    /// The solver that `solver_settings.solver_type` names.
-    ///
-    /// # Errors
-    /// An unknown type, or faults of the settings.
-    pub fn build_solver(&self, settings: &Parameters, options: &RunOptions) -> Result<Box<dyn Solver>, InputErrors> {
-        let names = || self.solvers.iter().flat_map(|e| e.types.iter().copied());
-        if settings.value().is_object() && settings.child("solver_type").is_none() {
-            let list = names().collect::<Vec<_>>().join(", ");
-            return Err(settings.error("\"solver_type\" is missing").help(format!("allowed: {list}")).into());
-        }
-        let name = settings.text("solver_type")?;
-        match self.solver_of_type(&name) {
-            Some(entry) => (entry.build)(settings, self, options),
-            None => {
-                let place = settings.child("solver_type").unwrap_or_else(|| settings.clone());
-                Err(place.error(format!("there is no solver type {name:?}")).allowed(&name, names()).into())
-            }
-        }
-    }
-
     /// The process of this name or old name; leading module names are ignored.
     pub fn process_named(&self, name: &str) -> Option<&ProcessEntry> {
         let last = name.rsplit('.').next().unwrap_or(name);
@@ -409,29 +213,6 @@ impl CellNames for Registry {
     fn names(&self, category: Category) -> Vec<String> {
         self.cells.iter().filter(|(c, _, _)| *c == category).map(|(_, name, _)| (*name).to_string()).collect()
     }
-}
-
-/// Members of a block of a process.
-const BLOCK: &[&str] = &[
-    "python_module",
-    "kratos_module",
-    "Parameters",
-    "process_name",
-    "help",
-    "check",
-    "implemented_in_file",
-    "implemented_in_module",
-];
-
-/// Refuses members of a block that look like a slip of a known one.
-fn check_block(block: &Parameters) -> Result<(), InputErrors> {
-    let mut errors = InputErrors::default();
-    for (name, value) in block.members() {
-        if !BLOCK.contains(&name.as_str()) && nearest(&name, BLOCK.iter().copied()).is_some() {
-            errors.push(value.error(format!("the key {name:?} is unknown")).allowed(&name, BLOCK.iter().copied()));
-        }
-    }
-    errors.or(())
 }
 
 fn rank_name(rank: Rank) -> &'static str {

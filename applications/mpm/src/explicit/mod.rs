@@ -17,6 +17,7 @@ mod kinematics;
 mod kratos_faults;
 mod limits;
 mod modes;
+mod nodal_output;
 mod nodes;
 mod patches;
 mod rows;
@@ -44,7 +45,6 @@ use bia_kernel::processes::{Clock, Context, Location, Process, Requirements, Res
 use bia_kernel::registry::Registry;
 use bia_kernel::solving::solver::{Inventory, Reached, Solver};
 use bia_kernel::solving::{StepReport, System};
-use bia_kernel::variables::Variable;
 use cells::Mapping;
 use kratos_faults::KratosFaults;
 use limits::Limits;
@@ -126,7 +126,7 @@ impl Explicit {
         let frame = self.frame();
         let mut moved = self.search.find(&mut self.scene, points, frame, self.faults)?;
         if self.settings.leave_edges {
-            self.leave_edges(points, grid, time_step);
+            search::leave_edges(&self.scene, points, grid, time_step);
             moved = true;
         }
         if moved {
@@ -157,75 +157,6 @@ impl Explicit {
 
     fn frame(&self) -> Frame {
         self.scene.settings.discretisation.frame
-    }
-
-    /// Moves points that lie on an edge of their cell by a thousandth of their path, as Kratos does
-    /// when asked, and finds their cells again.
-    fn leave_edges(&self, points: &mut MaterialPoints, grid: &ModelPart, time_step: f64) {
-        let Some(locator) = &self.scene.locator else { return };
-        for block in &mut points.blocks {
-            for point in 0..block.len() {
-                let Some(&shape) = grid.elements.shapes.get(block.cell[point] as usize) else { continue };
-                let mut functions = [0.0; 8];
-                let Some((_, xi)) = locator.locate(block.coordinates(point), Some(block.cell[point])) else { continue };
-                shape.functions(xi, &mut functions[..shape.node_count()]);
-                if functions[..shape.node_count()].iter().all(|n| *n >= f64::EPSILON) {
-                    continue;
-                }
-                let velocity = block.velocity.row(point);
-                let step = time_step / 1000.0;
-                block.position.row_mut(point).iter_mut().zip(velocity).for_each(|(x, v)| *x += step * v);
-                if let Some((cell, xi)) = locator.locate(block.coordinates(point), Some(block.cell[point])) {
-                    block.cell[point] = cell;
-                    if block.local.is_used() {
-                        let local = block.local.row_mut(point);
-                        local.copy_from_slice(&xi[..local.len()]);
-                    }
-                }
-            }
-        }
-    }
-
-    fn shows(&self, name: &str) -> bool {
-        self.shown.contains(&name)
-    }
-
-    /// Writes what someone reads on the grid.
-    fn write_nodes(&self, grid: &mut ModelPart, increments: &[f64]) {
-        let (count, space, dofs) = (grid.nodes.len(), &self.scene.space, &self.nodes.dofs);
-        let keeps = self.faults.shows_old_nodes();
-        if self.shows(NODAL_MASS.name) {
-            let column = grid.node_fields.scalar_mut(&NODAL_MASS, count);
-            if keeps {
-                dofs.nodes().iter().for_each(|&node| column[node as usize] = 0.0);
-            } else {
-                column.fill(0.0);
-            }
-            space.spread(dofs, |number, node, share| column[node] += share * self.nodes.sums.mass[number]);
-        }
-        let reset = |grid: &mut ModelPart, variable: &Variable| {
-            if !keeps {
-                grid.node_fields.vector_mut(variable, count).fill([0.0; 3]);
-            }
-        };
-        for (variable, values) in
-            [(&DISPLACEMENT, increments), (&VELOCITY, &self.nodes.velocity), (&ACCELERATION, &self.nodes.acceleration)]
-        {
-            if self.shows(variable.name) {
-                reset(grid, variable);
-                space.write_field(grid, dofs, variable, values);
-            }
-        }
-        if self.shows(REACTION.name) {
-            reset(grid, &REACTION);
-            let block = dofs.block();
-            let column = grid.node_fields.vector_mut(&REACTION, count);
-            dofs.nodes().iter().filter(|_| keeps).for_each(|&node| column[node as usize] = [0.0; 3]);
-            space.spread(dofs, |number, node, share| {
-                let reaction = &self.nodes.reaction[number * block..(number + 1) * block];
-                reaction.iter().zip(&mut column[node]).for_each(|(r, sum)| *sum += share * r);
-            });
-        }
     }
 }
 

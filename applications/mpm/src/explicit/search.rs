@@ -128,6 +128,33 @@ impl Search {
     }
 }
 
+/// Moves points that lie on an edge of their cell by a thousandth of their path, as Kratos does
+/// when asked, and finds their cells again.
+pub fn leave_edges(scene: &Scene, points: &mut MaterialPoints, grid: &ModelPart, time_step: f64) {
+    let Some(locator) = &scene.locator else { return };
+    for block in &mut points.blocks {
+        for point in 0..block.len() {
+            let Some(&shape) = grid.elements.shapes.get(block.cell[point] as usize) else { continue };
+            let mut functions = [0.0; 8];
+            let Some((_, xi)) = locator.locate(block.coordinates(point), Some(block.cell[point])) else { continue };
+            shape.functions(xi, &mut functions[..shape.node_count()]);
+            if functions[..shape.node_count()].iter().all(|n| *n >= f64::EPSILON) {
+                continue;
+            }
+            let velocity = block.velocity.row(point);
+            let step = time_step / 1000.0;
+            block.position.row_mut(point).iter_mut().zip(velocity).for_each(|(x, v)| *x += step * v);
+            if let Some((cell, xi)) = locator.locate(block.coordinates(point), Some(block.cell[point])) {
+                block.cell[point] = cell;
+                if block.local.is_used() {
+                    let local = block.local.row_mut(point);
+                    local.copy_from_slice(&xi[..local.len()]);
+                }
+            }
+        }
+    }
+}
+
 /// How local coordinates are had on a grid.
 pub fn mapping(grid: &ModelPart, choice: &Discretisation) -> Mapping {
     let is_parallel = |cell: usize| {

@@ -7,6 +7,8 @@ mod kratos_faults;
 mod midpoint;
 mod mixed;
 mod motion;
+mod nodal_output;
+mod prediction;
 mod problem;
 mod transfer;
 
@@ -17,7 +19,7 @@ use crate::points::{Columns, MaterialPoints};
 use crate::scene::{Scene, move_conditions, points_of, with_points};
 use crate::settings::{Frame, Regime, SolverSettings};
 use crate::space::Space;
-use crate::variables::{ACCELERATION, DISPLACEMENT, NODAL_MASS, PRESSURE, REACTION, VELOCITY};
+use crate::variables::{ACCELERATION, DISPLACEMENT, PRESSURE, VELOCITY};
 use bia_constitutive::Deformation;
 use bia_kernel::diagnostic::InputErrors;
 use bia_kernel::error::Error;
@@ -29,25 +31,17 @@ use bia_kernel::processes::{Clock, Context, Location, Process, Requirements, Res
 use bia_kernel::registry::Registry;
 use bia_kernel::solving::newton::OnNoConvergence;
 use bia_kernel::solving::solver::{Inventory, Reached, Solver};
-use bia_kernel::solving::{ActiveDofs, Criterion, NodalFrames, NonlinearSystem, StepReport, System};
+use bia_kernel::solving::{ActiveDofs, Criterion, NodalFrames, StepReport, System};
 use element::Rule;
 use kratos_faults::KratosFaults;
 use mixed::{Mixed, check_fluids, relax_fluids};
 use motion::Motion;
 use nalgebra::Matrix3;
+use nodal_output::NodalOutput;
 use problem::{Inertia, Problem};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use transfer::{NodalResults, NodalSums, update_points};
-
-/// Nodal variables that are written to the grid's columns because someone reads them.
-#[derive(Default, Clone, Copy)]
-struct NodalOutput {
-    mass: bool,
-    velocity: bool,
-    acceleration: bool,
-    reaction: bool,
-}
 
 /// What the log has been told once.
 #[derive(Default, Clone, Copy)]
@@ -57,6 +51,7 @@ struct Told {
     imposed: bool,
     idle_load: bool,
     leap: bool,
+    weight: bool,
 }
 
 /// The solver with what it keeps from step to step.
@@ -137,75 +132,6 @@ impl Implicit {
         KratosFaults(self.scene.options.kratos_exact)
     }
 
-    /// Sets the unknowns at the start of the step and the grid's DISPLACEMENT with them.
-    ///
-    /// Imposed displacements are increments of the step (spec 03 §3), of which a piece of a step has its
-    /// share.
-    fn predict_increments(&mut self, grid: &mut ModelPart, share: f64) {
-        let count = grid.nodes.len();
-        let fixed = grid.node_fields.fixed(&DISPLACEMENT).map_or(Vec::new(), <[_]>::to_vec);
-        let values = grid.node_fields.vector_mut(&DISPLACEMENT, count);
-        let ignored = self.faults().ignores_imposed(self.scene.settings.regime);
-        if self.scene.settings.regime != Regime::Static {
-            for (node, value) in values.iter_mut().enumerate() {
-                for a in 0..3 {
-                    let held = fixed.get(node).is_some_and(|fixed| fixed[a]);
-                    let kratos = if held { self.previous[node][a] } else { 0.0 };
-                    if held && value[a] != kratos && !ignored && !self.told.imposed {
-                        self.told.imposed = true;
-                        tracing::info!(
-                            "imposed displacements change in time and act; Kratos 10.4.4 keeps those of the start \
-                             (--kratos-exact does, too)"
-                        );
-                    }
-                    if !held || ignored {
-                        value[a] = kratos;
-                    }
-                }
-            }
-        }
-        if share < 1.0 && !ignored {
-            for (value, held) in values.iter_mut().zip(&fixed) {
-                (0..3).filter(|a| held[*a]).for_each(|a| value[a] *= share);
-            }
-        }
-        let block = self.dofs.block();
-        self.increments.clear();
-        self.increments.resize(self.dofs.order(), 0.0);
-        let space = &self.scene.space;
-        let (fixed, values) = (space.held(&fixed), space.at_anchors(values));
-        // In statics that is what nodes moved by in the last step. Those at the edge of a body that has moved
-        // on may turn it inside out.
-        let is_reset = self.scene.settings.discretisation.frame == Frame::Updated;
-        let starts_from_last = self.scene.options.kratos_exact || self.mixed.is_none() || !is_reset;
-        for number in 0..self.dofs.nodes().len() {
-            let function = self.dofs.nodes()[number] as usize;
-            for a in 0..block {
-                let held = fixed.get(function).is_some_and(|fixed| fixed[a]);
-                self.dofs.fixed_mut()[number * block + a] = held;
-                // The nodes know too little of the last step's functions of higher order to start from it.
-                if held || (space.is_mesh() && starts_from_last) {
-                    self.increments[number * block + a] = values[function][a];
-                }
-            }
-        }
-        self.frames = NodalFrames::new(block, &self.dofs, grid.node_fields.slides(&DISPLACEMENT));
-        self.frames.slide(&mut self.increments);
-    }
-
-    fn write_nodal_mass(&self, grid: &mut ModelPart) {
-        if !self.output.mass {
-            return;
-        }
-        let count = grid.nodes.len();
-        let column = grid.node_fields.scalar_mut(&NODAL_MASS, count);
-        if !self.faults().piles_up_mass(self.scene.settings.regime) {
-            column.fill(0.0);
-        }
-        let mass = &self.sums.mass;
-        self.scene.space.spread(&self.dofs, |number, node, share| column[node] += share * mass[number]);
-    }
-
     fn problem<'a>(&'a self, points: &'a MaterialPoints, grid: &'a ModelPart, time_step: f64) -> Problem<'a> {
         Problem {
             grid,
@@ -223,29 +149,6 @@ impl Implicit {
             increments: self.increments.clone(),
             assembled: self.increments.clone(),
         }
-    }
-
-    /// Forces that hold the fixed dofs: minus the residual at the solution.
-    fn write_reactions(&mut self, points: &MaterialPoints, grid: &mut ModelPart, time_step: f64) -> Result<(), Error> {
-        let Some(mut system) = self.system.take() else { return Ok(()) };
-        let mut mixed = self.mixed.take();
-        let result = match &mut mixed {
-            Some(mixed) => self.mixed_reactions(mixed, points, grid, time_step, &mut system),
-            None => {
-                let result = self.problem(points, grid, time_step).assemble(&mut system, false);
-                result.map(|()| system.rhs.iter().map(|r| -r).collect())
-            }
-        };
-        (self.system, self.mixed) = (Some(system), mixed);
-        let mut reactions: Vec<f64> = result?;
-        self.frames.keep_held(&self.dofs, &mut reactions);
-        let (count, block) = (grid.nodes.len(), self.dofs.block());
-        let column = grid.node_fields.vector_mut(&REACTION, count);
-        column.fill([0.0; 3]);
-        self.scene.space.spread(&self.dofs, |number, node, share| {
-            (0..block).for_each(|a| column[node][a] += share * reactions[number * block + a]);
-        });
-        Ok(())
     }
 
     fn timed<T>(&mut self, stage: usize, work: impl FnOnce(&mut Self) -> T) -> T {
@@ -342,6 +245,9 @@ impl Solver for Implicit {
                 this.write_nodal_mass(grid);
                 this.predict_increments(grid, share);
                 this.predict_pressures(points, grid);
+                if let Some(mixed) = this.mixed.as_ref().filter(|_| this.dynamic()) {
+                    mixed.tell_weight(points, &mut this.told.weight);
+                }
                 this.prepare_inertia(points, grid, time_step)
             })
         })

@@ -158,6 +158,21 @@ impl Mixed {
         &self.spread
     }
 
+    /// Warns, once, of solids in dynamics whose weight ASGS balances with pressure, also where they fall.
+    pub fn tell_weight(&self, points: &MaterialPoints, told: &mut bool) {
+        let is_solid = |block: &Block| block.law.mixed().is_some_and(|m| matches!(m.shear, Shear::Elastic(_)));
+        let is_heavy = |block: &Block| block.gravity != [0.0; 3] || block.body_acceleration.is_used();
+        let leaves_inertia = self.settings.stabilization == Stabilization::Asgs && self.settings.inertia.is_none();
+        if !*told && leaves_inertia && points.blocks.iter().any(|block| is_solid(block) && is_heavy(block)) {
+            *told = true;
+            tracing::warn!(
+                "asgs takes the weight of a solid as borne by its stress: one that falls has pressures of the order \
+                 of its density x gravity x height; \"stabilization\": \"osgs\" or \"stabilization_parameters\": \
+                 {{\"inertia\": true}} has not"
+            );
+        }
+    }
+
     /// Whether the tangent is symmetric where those of all laws are.
     pub fn is_symmetric(&self) -> bool {
         let projects = matches!(self.settings.stabilization, Stabilization::None | Stabilization::Ppp);
