@@ -85,13 +85,13 @@ fn energy_that_comes_or_goes_without_work_is_told() {
     let stepping = json!({"time_step": 0.01});
     let (lost, told) = run(&spinning(json!({"scheme_type": "newmark", "time_stepping": stepping})));
     let (first, last) = (3289.87, lost["energy"]["kinetic"].as_f64().unwrap());
-    assert!(last < 0.9 * first && told.contains("their energy has fallen from 3.2899e3 J to"), "{last} {told}");
+    assert!(last < 0.9 * first && told.contains("their energy has fallen by"), "{last} {told}");
     let conserving =
         json!({"scheme_type": "energy_conserving", "frame": "total_lagrangian", "time_stepping": stepping});
     let (kept, told) = run(&spinning(conserving.clone()));
     let sum = kept["energy"]["kinetic"].as_f64().unwrap() + kept["energy"]["strain"].as_f64().unwrap();
     assert!((sum / first - 1.0).abs() < 1e-3 && told.is_empty(), "{sum} {told}");
-    // Where something works on the body nothing can be said.
+    // With a weight a loss may be that of an impact.
     let newmark = json!({"scheme_type": "newmark", "time_stepping": {"time_step": 0.01}});
     let (_, told) = run(&with(spinning(newmark), gravity([0.0, -0.01, 0.0])));
     assert!(!told.contains("energy"), "{told}");
@@ -161,6 +161,45 @@ fn weight_that_asgs_takes_as_borne_is_told() {
     for (stabilization, parameters) in [("asgs", json!({"inertia": true})), ("osgs", json!({})), ("ppp", json!({}))] {
         let (pressure, told) = largest(stabilization, parameters);
         assert!(pressure < 1e-6 * weight && !told, "{stabilization}: {pressure}");
+    }
+}
+
+/// Bossak's scheme with the trapezoidal rule for the velocity of the points, as Kratos has it, feeds the
+/// oscillation of a block that is let go on its support; with the scheme's own rule weight makes no energy.
+#[test]
+fn energy_that_a_weight_cannot_make_is_told() {
+    for (rule, is_told) in [("trapezoidal", true), ("scheme", false)] {
+        let solver =
+            json!({"scheme_type": "bossak", "point_velocity_rule": rule, "time_stepping": {"time_step": 0.002}});
+        let scene = project(([1.0, 1.25], [4, 5]), ([0.0, 0.0], [1.0, 1.0], [4, 4]), solver, 0.4);
+        let (_, told) = run(&with(on_rollers(scene), gravity([0.0, -10.0, 0.0])));
+        assert_eq!(told.contains("nothing but weight works on the bodies"), is_told, "{rule}: {told}");
+        assert_eq!(told.contains("their energy has grown"), is_told, "{rule}: {told}");
+    }
+}
+
+/// Two bodies in one place: each of the 9 inner nodes of 16 cells has twice the volume that it has room for, 9/32
+/// of all; the others, on the boundary, are half empty.
+#[test]
+fn material_without_room_is_told() {
+    for (places, is_told) in [([0.5, 0.5], true), ([0.5, 1.75], false)] {
+        let solver = json!({"scheme_type": "newmark", "time_stepping": {"time_step": 0.01}});
+        let mut scene = project(([3.0, 2.0], [12, 8]), ([0.5, 0.5], [1.5, 1.5], [4, 4]), solver, 0.005);
+        let bodies = scene.pointer_mut("/modelers/1/parameters/bodies").unwrap().as_array_mut().unwrap();
+        let mut other = bodies[0].clone();
+        other["name"] = "Other".into();
+        for (end, beyond) in [("min", 0.0), ("max", 1.0)] {
+            other["primitive"][end][0] = (places[1] + beyond).into();
+        }
+        bodies.push(other);
+        let materials = &mut scene["solver_settings"]["material_import_settings"]["materials"];
+        let mut material = materials[0].clone();
+        material["model_part_name"] = "Initial_MPM_Material.Other".into();
+        material["properties_id"] = 2.into();
+        materials.as_array_mut().unwrap().push(material);
+        let (_, told) = run(&scene);
+        assert_eq!(told.contains("28 % of the volume of the material has no room"), is_told, "{told}");
+        assert_eq!(told.contains("no room"), is_told, "{told}");
     }
 }
 

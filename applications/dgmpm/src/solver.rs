@@ -5,6 +5,7 @@ use crate::fields::{DERIVED, OF_CELLS, OF_NODES, OF_POINTS, check_energies, ener
 use crate::processes::CellFields;
 use crate::results::{save_state, snapshot};
 use crate::settings::SolverSettings;
+use crate::variables::VOLUME_ACCELERATION;
 use bia_constitutive::{BodyMaterial, Catalogue};
 use bia_kernel::diagnostic::InputErrors;
 use bia_kernel::error::{Error, Failure};
@@ -13,7 +14,7 @@ use bia_kernel::io::json::JsonObject;
 use bia_kernel::model::{Model, ModelPart, PointSet};
 use bia_kernel::processes::{Clock, Context, Location, Process, Requirements};
 use bia_kernel::registry::Registry;
-use bia_kernel::solving::solver::{ColumnUse, Counts, Inventory, Solver};
+use bia_kernel::solving::solver::{ColumnUse, Counts, Inventory, MechanicalEnergy, Solver};
 use bia_kernel::solving::{StepReport, Stepping};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -244,8 +245,12 @@ impl Solver for DiscontinuousGalerkin {
         list
     }
 
-    fn is_closed(&self, model: &Model) -> bool {
-        model.extension::<Points>().is_some_and(|points| points.body.work() == 0.0)
+    fn mechanical_energy(&self, model: &Model) -> Option<MechanicalEnergy> {
+        // What body forces do is not counted.
+        let has_forces = model.part(&self.settings.part)?.node_fields.vector(&VOLUME_ACCELERATION).is_some();
+        let points = model.extension::<Points>().filter(|points| points.body.work() == 0.0 && !has_forces)?;
+        let (kinetic, strain) = energies(points.body.as_ref(), 0..points.body.len());
+        Some(MechanicalEnergy { own: kinetic + strain?, is_kept: true, ..MechanicalEnergy::default() })
     }
 
     fn account(&self, model: &Model) -> serde_json::Map<String, serde_json::Value> {

@@ -5,6 +5,7 @@ use crate::grid::GRID;
 use crate::points::across;
 use crate::points::fields::{append, total_energies};
 use crate::points::{Block, MaterialPoints, Selection};
+use crate::room::crowding;
 use crate::scene::{Scene, points_of};
 use crate::settings::Frame;
 use crate::space::Space;
@@ -13,7 +14,7 @@ use bia_constitutive::Kinematics;
 use bia_kernel::error::Error;
 use bia_kernel::io::dataset::{CellsOf, Dataset, Field, FieldData};
 use bia_kernel::model::Model;
-use bia_kernel::solving::solver::{ColumnUse, Counts, Inventory, write_failed_state};
+use bia_kernel::solving::solver::{ColumnUse, Counts, Inventory, MechanicalEnergy, write_failed_state};
 use bia_kernel::variables::{Column, Variable};
 use std::path::{Path, PathBuf};
 
@@ -60,6 +61,22 @@ impl Scene {
         inventory.counts = Counts { cells, nodes, points: points.len(), unknowns: dofs.order() };
         inventory.warnings = self.warnings(points, model);
         inventory
+    }
+
+    /// Points that were lost on the way, and points that lie in each other at its end.
+    pub fn remarks(&self, model: &Model) -> Vec<String> {
+        let Some(losses) = points_of(model).map(|points| &points.losses) else { return Vec::new() };
+        let mut remarks = Vec::new();
+        if losses.count > 0 {
+            remarks.push(format!("{} and were erased, in the whole run", losses.since((0, 0.0))));
+        }
+        if losses.clamped > 0 {
+            remarks.push(format!("material points were put back to the border of the grid {} times", losses.clamped));
+        }
+        if self.settings.discretisation.frame == Frame::Updated {
+            remarks.extend(crowding(model, self.locator.as_ref()));
+        }
+        remarks
     }
 
     /// Legal but suspicious facts.
@@ -189,19 +206,6 @@ fn column_uses(points: &MaterialPoints) -> Vec<ColumnUse> {
     uses
 }
 
-/// Points that were lost on the way.
-pub fn remarks(model: &Model) -> Vec<String> {
-    let Some(losses) = points_of(model).map(|points| &points.losses) else { return Vec::new() };
-    let mut remarks = Vec::new();
-    if losses.count > 0 {
-        remarks.push(format!("{} and were erased, in the whole run", losses.since((0, 0.0))));
-    }
-    if losses.clamped > 0 {
-        remarks.push(format!("material points were put back to the border of the grid {} times", losses.clamped));
-    }
-    remarks
-}
-
 /// Energies that the columns in use allow.
 pub fn energies(model: &Model) -> Vec<(&'static str, f64)> {
     let Some(points) = points_of(model) else { return Vec::new() };
@@ -218,16 +222,12 @@ pub fn energies(model: &Model) -> Vec<(&'static str, f64)> {
     list
 }
 
-/// Whether elastic bodies move without loads, gravity or supports that move.
-pub fn is_closed(model: &Model) -> bool {
-    let (Some(points), Some(grid)) = (points_of(model), model.part(GRID)) else { return false };
-    let conditions = &points.conditions;
-    let free = |block: &Block| {
-        block.has_energy
-            && block.velocity.is_used()
-            && !block.state.is_used()
-            && !block.body_acceleration.is_used()
-            && block.gravity == [0.0; 3]
+/// Energy of bodies on which nothing but their weight works. What no law tells is none at the start, so that
+/// what is told may only fall.
+pub fn mechanical_energy(model: &Model) -> Option<MechanicalEnergy> {
+    let (points, grid) = (points_of(model)?, model.part(GRID)?);
+    let known = |block: &Block| {
+        block.velocity.is_used() && !block.body_acceleration.is_used() && (block.has_energy || !block.starts_stressed)
     };
     let moved = |variable: &Variable| {
         let held = grid.node_fields.fixed(variable).zip(grid.node_fields.vector(variable));
@@ -235,9 +235,33 @@ pub fn is_closed(model: &Model) -> bool {
             held.iter().zip(values).any(|(held, value)| (0..3).any(|a| held[a] && value[a] != 0.0))
         })
     };
-    !crate::loads::are_any(grid, conditions)
-        && points.blocks.iter().all(free)
-        && ![&DISPLACEMENT, &VELOCITY, &ACCELERATION].into_iter().any(moved)
+    if crate::loads::are_any(grid, &points.conditions)
+        || points.losses.count + points.losses.clamped > 0
+        || !points.blocks.iter().all(known)
+        || [&DISPLACEMENT, &VELOCITY, &ACCELERATION].into_iter().any(moved)
+    {
+        return None;
+    }
+    let energies = total_energies(points, Selection::All);
+    let strain = if points.blocks.iter().all(|block| block.has_energy) { energies.strain } else { 0.0 };
+    let lasts = |block: &Block| block.has_energy && !block.state.is_used() && block.gravity == [0.0; 3];
+    let mut energy = MechanicalEnergy {
+        own: energies.kinetic + strain,
+        is_kept: points.blocks.iter().all(lasts),
+        ..MechanicalEnergy::default()
+    };
+    for block in &points.blocks {
+        let height = |point: usize| -> f64 {
+            -block.position.row(point).iter().zip(block.gravity).map(|(x, g)| g * x).sum::<f64>()
+        };
+        let lowest = (0..block.len()).map(height).fold(f64::INFINITY, f64::min);
+        for point in block.in_order_of_id() {
+            let (mass, height) = (block.mass.row(point as usize)[0], height(point as usize));
+            energy.potential += mass * height;
+            energy.height += mass * (height - lowest);
+        }
+    }
+    Some(energy)
 }
 
 /// Writes the points with every column in use to `failed_state.vtu`.

@@ -14,6 +14,7 @@ pub mod points;
 mod processes;
 mod projection;
 mod record;
+mod room;
 mod scene;
 mod settings;
 mod solvers;

@@ -23,7 +23,7 @@ use crate::model::Model;
 use crate::parameters::Parameters;
 use crate::processes::{Clock, Context, Process, Results, RunOptions};
 use crate::solving::StepReport;
-use crate::solving::solver::{Inventory, Solver};
+use crate::solving::solver::{Inventory, MechanicalEnergy, Solver};
 use crate::variables::Variable;
 use account::Recorder;
 use restart::Restart;
@@ -71,7 +71,7 @@ pub struct Analysis {
     /// Nodes at which bodies were in the first step; empty in runs that were resumed.
     reached_first: Vec<bool>,
     /// In J, where nothing works on the bodies.
-    energy_at_start: Option<f64>,
+    energy_at_start: Option<MechanicalEnergy>,
     stages: Vec<(&'static str, Duration)>,
     /// That of the last run, however it ended.
     account: Option<Account>,
@@ -274,7 +274,7 @@ impl Analysis {
         self.stages = vec![("processes", Duration::ZERO), ("solver", Duration::ZERO), ("output", Duration::ZERO)];
         let is_resumed = checkpoint.is_some();
         self.begin(account, recorder, checkpoint)?;
-        self.energy_at_start = if is_resumed { None } else { self.closed_energy() };
+        self.energy_at_start = if is_resumed { None } else { self.solver.mechanical_energy(&self.model) };
         self.keep_state(account, recorder)?;
         account.start_loop();
         while self.clock.time < self.clock.end {

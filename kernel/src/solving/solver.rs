@@ -61,6 +61,19 @@ pub struct ColumnUse {
     pub bytes: usize,
 }
 
+/// Energy of bodies in J that nothing but their weight works on.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct MechanicalEnergy {
+    /// Kinetic energy, and strain energy where the law has one.
+    pub own: f64,
+    /// −Σ m g·x.
+    pub potential: f64,
+    /// What the weight could do if all sank to the lowest place.
+    pub height: f64,
+    /// Neither laws nor a weight take any of it, and it is all that there is.
+    pub is_kept: bool,
+}
+
 /// An application's solver. The analysis calls these in Kratos's order (spec 01 §1.2).
 pub trait Solver: Send {
     /// Reads meshes and materials into the model.
@@ -150,11 +163,11 @@ pub trait Solver: Send {
     /// Kinetic, strain and potential energy in joules, as far as they are known.
     fn energies(&self, model: &Model) -> Vec<(&'static str, f64)>;
 
-    /// Whether energy is all that there is: nothing that the solver knows of works on the bodies, such as
-    /// loads, gravity or supports that move, and no law dissipates. Then [`energies`](Self::energies) tells all of it.
+    /// Energy of bodies on which nothing that the solver knows of works but their weight: no loads, no
+    /// supports that move. None where something does, or where the scene has no inertia.
     #[allow(unused_variables)]
-    fn is_closed(&self, model: &Model) -> bool {
-        false
+    fn mechanical_energy(&self, model: &Model) -> Option<MechanicalEnergy> {
+        None
     }
 
     /// What a user should know after the run, such as points that were lost.

@@ -43,7 +43,7 @@ use bia_kernel::io::json::JsonObject;
 use bia_kernel::model::{Model, ModelPart};
 use bia_kernel::processes::{Clock, Context, Location, Process, Requirements, ResetNodes, RunOptions};
 use bia_kernel::registry::Registry;
-use bia_kernel::solving::solver::{Inventory, Reached, Solver};
+use bia_kernel::solving::solver::{Inventory, MechanicalEnergy, Reached, Solver};
 use bia_kernel::solving::{StepReport, System};
 use cells::Mapping;
 use kratos_faults::KratosFaults;
@@ -328,13 +328,15 @@ impl Solver for Explicit {
         crate::inventory::energies(model)
     }
 
-    fn is_closed(&self, model: &Model) -> bool {
+    fn mechanical_energy(&self, model: &Model) -> Option<MechanicalEnergy> {
         // Energies are of the points' own velocities, without what an affine one adds.
-        !matches!(self.settings.transfer, Transfer::Apic | Transfer::Tpic) && crate::inventory::is_closed(model)
+        let is_affine = matches!(self.settings.transfer, Transfer::Apic | Transfer::Tpic);
+        let energy = crate::inventory::mechanical_energy(model)?;
+        Some(MechanicalEnergy { is_kept: energy.is_kept && !is_affine, ..energy })
     }
 
     fn remarks(&self, model: &Model) -> Vec<String> {
-        crate::inventory::remarks(model)
+        self.scene.remarks(model)
     }
 
     fn reached(&self, model: &Model) -> Option<Reached> {

@@ -30,7 +30,7 @@ use bia_kernel::model::{Model, ModelPart};
 use bia_kernel::processes::{Clock, Context, Location, Process, Requirements, ResetNodes, RunOptions};
 use bia_kernel::registry::Registry;
 use bia_kernel::solving::newton::OnNoConvergence;
-use bia_kernel::solving::solver::{Inventory, Reached, Solver};
+use bia_kernel::solving::solver::{Inventory, MechanicalEnergy, Reached, Solver};
 use bia_kernel::solving::{ActiveDofs, Criterion, NodalFrames, StepReport, System};
 use element::Rule;
 use kratos_faults::KratosFaults;
@@ -365,12 +365,12 @@ impl Solver for Implicit {
         crate::inventory::energies(model)
     }
 
-    fn is_closed(&self, model: &Model) -> bool {
-        crate::inventory::is_closed(model)
+    fn mechanical_energy(&self, model: &Model) -> Option<MechanicalEnergy> {
+        crate::inventory::mechanical_energy(model)
     }
 
     fn remarks(&self, model: &Model) -> Vec<String> {
-        crate::inventory::remarks(model)
+        self.scene.remarks(model)
     }
 
     fn reached(&self, model: &Model) -> Option<Reached> {

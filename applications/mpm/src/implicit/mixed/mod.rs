@@ -12,7 +12,7 @@ mod kratos;
 mod osgs;
 mod problem;
 mod projected;
-mod room;
+mod spreading;
 mod step;
 mod subscales;
 #[cfg(test)]

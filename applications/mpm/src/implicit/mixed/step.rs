@@ -1,9 +1,10 @@
 //! Where the implicit solver's step meets the pressures: start values, solution, reactions, results.
 
-use super::room::{Spreading, excess, room};
+use super::spreading::{Spreading, excess};
 use super::{Mixed, MixedProblem};
 use crate::implicit::Implicit;
 use crate::points::{Block, MaterialPoints, compress};
+use crate::room::room;
 use crate::settings::{Frame, Regime};
 use crate::variables::{DISPLACEMENT, PRESSURE, PRESSURE_REACTION};
 use bia_constitutive::Shear;
@@ -53,7 +54,7 @@ impl Implicit {
             return Vec::new();
         }
         if mixed.room.is_empty() {
-            mixed.room = room(&self.scene.space, grid.elements.len(), grid.nodes.len());
+            mixed.room = room(grid);
         }
         let mut excess = excess(&mixed.room, &mixed.sums, &self.dofs);
         if excess.iter().all(|e| *e == 0.0) {

@@ -1,4 +1,4 @@
-//! Room for fluids: where points have gathered they are moved apart.
+//! Where points of a fluid have gathered they are moved apart.
 //!
 //! Rows of pressure keep the volume of points as it is and do not see how much of it lies where: over many
 //! steps points gather where the pressure is high, the denser fluid sinks, and its surface falls. With the
@@ -10,37 +10,11 @@
 
 use super::MixedProblem;
 use super::gather::PressureSums;
-use crate::space::Space;
 use bia_kernel::error::Error;
-use bia_kernel::geometry::{Shape, ShapeTable, rule};
 use bia_kernel::solving::{ActiveDofs, NonlinearSystem, System};
 
 /// Share of its room by which a node may be overfull: points leave as much to chance in full cells.
 const SLACK: f64 = 0.05;
-
-/// Room of each of the grid's nodes (m³, in the plane m²), ∫ N_i dx.
-pub fn room(space: &Space, cells: usize, nodes: usize) -> Vec<f64> {
-    let mut room = vec![0.0; nodes];
-    for cell in 0..cells {
-        let Some(shape) = space.shape(cell) else { continue };
-        let corners: Vec<[f64; 3]> = space.nodes_of(cell).iter().map(|&node| space.position(node as usize)).collect();
-        let count = match shape {
-            Shape::Quadrilateral4 => 4,
-            Shape::Hexahedron8 => 8,
-            _ => 1,
-        };
-        for point in rule(shape, count).unwrap_or_default() {
-            let table = ShapeTable::new(shape, point.xi);
-            let weight = point.weight * table.jacobian_determinant(&corners).abs();
-            let mut functions = [0.0; 8];
-            shape.functions(point.xi, &mut functions);
-            for (&node, n) in space.nodes_of(cell).iter().zip(functions) {
-                room[node as usize] += weight * n;
-            }
-        }
-    }
-    room
-}
 
 /// What is too much at each active node (m³).
 pub fn excess(room: &[f64], sums: &PressureSums, dofs: &ActiveDofs) -> Vec<f64> {
