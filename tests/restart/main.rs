@@ -17,3 +17,4 @@ mod implicit;
 mod kills;
 mod structural;
 mod trial;
+mod warnings;

@@ -81,6 +81,14 @@ impl ActiveCells {
         Ok(())
     }
 
+    /// Saves or loads which cells have held points.
+    ///
+    /// # Errors
+    /// The checkpoint does not hold them.
+    pub fn exchange_reached(&mut self, archive: &mut Archive) -> Result<(), CheckpointError> {
+        archive.flags("cells that have held points", &mut self.reached)
+    }
+
     /// Sorts the points of all blocks into their cells.
     pub fn gather(&mut self, blocks: &[Block], total: usize) {
         self.counts.clear();

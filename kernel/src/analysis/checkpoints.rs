@@ -5,6 +5,7 @@ use super::account::{Account, RecordPlan, Recorder};
 use super::restart;
 use crate::error::{Error, Failure};
 use crate::io::checkpoint::{Archive, CheckpointError, Contents};
+use crate::solving::solver::MechanicalEnergy;
 use serde_json::Value;
 
 impl Analysis {
@@ -48,6 +49,8 @@ impl Analysis {
             archive.number("time", &mut clock.time)?;
             archive.number("time_step", &mut clock.time_step)?;
             archive.number("load_time", &mut clock.load_time)?;
+            archive.flags("nodes reached in the first step", &mut self.reached_first)?;
+            MechanicalEnergy::exchange(&mut self.energy_at_start, archive)?;
             account.exchange(archive)?;
             recorder.as_mut().map_or(Ok(()), |recorder| recorder.exchange(archive))
         })?;

@@ -67,8 +67,7 @@ pub struct Analysis {
     /// Settings of the solver that may change where a run has failed.
     adjustable: Vec<&'static str>,
     warnings: Vec<String>,
-    resumed: bool,
-    /// Nodes at which bodies were in the first step; empty in runs that were resumed.
+    /// Nodes at which bodies were in the first step.
     reached_first: Vec<bool>,
     /// In J, where nothing works on the bodies.
     energy_at_start: Option<MechanicalEnergy>,
@@ -168,7 +167,6 @@ impl Analysis {
         // What an earlier run left must not be taken for this one's.
         let _ = std::fs::remove_file(self.options.output.join(FAILED_STATE));
         let keeps = self.restart.is_some();
-        self.resumed = resumes;
         let record = record.map(|plan| Recorder::new(plan, planned, &self.clock, resumes, keeps));
         let recorder = record.transpose()?;
         let mut account = Account::start();
@@ -274,7 +272,9 @@ impl Analysis {
         self.stages = vec![("processes", Duration::ZERO), ("solver", Duration::ZERO), ("output", Duration::ZERO)];
         let is_resumed = checkpoint.is_some();
         self.begin(account, recorder, checkpoint)?;
-        self.energy_at_start = if is_resumed { None } else { self.solver.mechanical_energy(&self.model) };
+        if !is_resumed {
+            self.energy_at_start = self.solver.mechanical_energy(&self.model);
+        }
         self.keep_state(account, recorder)?;
         account.start_loop();
         while self.clock.time < self.clock.end {

@@ -87,7 +87,6 @@ impl Analysis {
             variables,
             adjustable,
             warnings,
-            resumed: false,
             reached_first: Vec::new(),
             energy_at_start: None,
             stages: Vec::new(),

@@ -3,12 +3,9 @@
 use super::Analysis;
 
 impl Analysis {
-    /// Parts that no body has reached, and those that bodies have come away from since the first step; not told of
-    /// a run that was resumed, which does not know where they were before.
+    /// Parts that no body has reached, and those that bodies have come away from since the first step.
     pub(super) fn unreached(&self) -> Vec<String> {
-        let Some(reached) = self.solver.reached(&self.model).filter(|_| !self.resumed) else {
-            return Vec::new();
-        };
+        let Some(reached) = self.solver.reached(&self.model) else { return Vec::new() };
         let mut told: Vec<String> = Vec::new();
         for (_, group) in self.project.child("processes").map_or(Vec::new(), |processes| processes.members()) {
             let parts =

@@ -74,6 +74,23 @@ pub struct MechanicalEnergy {
     pub is_kept: bool,
 }
 
+impl MechanicalEnergy {
+    /// Saves or loads an energy that may be there.
+    ///
+    /// # Errors
+    /// The checkpoint does not hold it.
+    pub fn exchange(energy: &mut Option<Self>, archive: &mut Archive) -> Result<(), CheckpointError> {
+        let mut values = energy.map_or(Vec::new(), |e| vec![[e.own, e.potential, e.height]]);
+        let mut is_kept = energy.is_some_and(|e| e.is_kept);
+        archive.column("energy at the start", &mut values)?;
+        archive.flag("energy at the start is kept", &mut is_kept)?;
+        if archive.is_loading() {
+            *energy = values.first().map(|&[own, potential, height]| Self { own, potential, height, is_kept });
+        }
+        Ok(())
+    }
+}
+
 /// An application's solver. The analysis calls these in Kratos's order (spec 01 §1.2).
 pub trait Solver: Send {
     /// Reads meshes and materials into the model.

@@ -13,6 +13,7 @@ impl Explicit {
         archive: &mut Archive,
     ) -> Result<(), CheckpointError> {
         archive.section("points", |archive| points.exchange(archive))?;
+        self.active.exchange_reached(archive)?;
         archive.section("search", |archive| self.search.exchange(archive))?;
         archive.section("active cells", |archive| self.active.exchange(archive))?;
         if archive.is_loading() {

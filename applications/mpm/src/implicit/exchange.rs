@@ -13,6 +13,7 @@ impl Implicit {
         archive: &mut Archive,
     ) -> Result<(), CheckpointError> {
         archive.section("points", |archive| points.exchange(archive))?;
+        self.active.exchange_reached(archive)?;
         archive.column("velocity of the grid", &mut self.motion.velocity)?;
         archive.column("acceleration of the grid", &mut self.motion.acceleration)?;
         archive.column("imposed displacements", &mut self.previous)?;

@@ -222,6 +222,19 @@ impl<'a> Archive<'a> {
         self.value(name, value, |value| (*value).into(), Value::as_bool)
     }
 
+    /// Switches, a byte each.
+    ///
+    /// # Errors
+    /// See [`Self::count`].
+    pub fn flags(&mut self, name: &str, values: &mut Vec<bool>) -> Result<(), CheckpointError> {
+        let mut bytes: Vec<u8> = values.iter().map(|value| u8::from(*value)).collect();
+        self.column(name, &mut bytes)?;
+        if self.is_loading() {
+            *values = bytes.into_iter().map(|byte| byte != 0).collect();
+        }
+        Ok(())
+    }
+
     /// Texts.
     ///
     /// # Errors
