@@ -173,8 +173,36 @@ fn energy_that_a_weight_cannot_make_is_told() {
             json!({"scheme_type": "bossak", "point_velocity_rule": rule, "time_stepping": {"time_step": 0.002}});
         let scene = project(([1.0, 1.25], [4, 5]), ([0.0, 0.0], [1.0, 1.0], [4, 4]), solver, 0.4);
         let (_, told) = run(&with(on_rollers(scene), gravity([0.0, -10.0, 0.0])));
-        assert_eq!(told.contains("nothing but weight works on the bodies"), is_told, "{rule}: {told}");
+        assert_eq!(told.contains("nothing but weight has worked on the bodies"), is_told, "{rule}: {told}");
         assert_eq!(told.contains("their energy has grown"), is_told, "{rule}: {told}");
+    }
+}
+
+/// A load that has ended, or a wall that has stopped, has given the bodies what they have.
+#[test]
+fn the_work_of_a_load_is_no_growth() {
+    let implicit = json!({"scheme_type": "newmark", "time_stepping": {"time_step": 0.005}});
+    let explicit = json!({"time_integration_method": "explicit", "scheme_type": "central_difference",
+                          "time_stepping": {"time_step": 0.001}});
+    for solver in [&implicit, &explicit] {
+        let grid = ([1.0, 1.25], [4, 5]);
+        let scene = project(grid, ([0.0, 0.0], [1.0, 1.25], [4, 5]), solver.clone(), 0.1);
+        let scene = moving(on_rollers(scene), json!([0.0, 0.1, 0.0]));
+        let pushed = fix("Top", json!([null, "-0.01 if t<0.03 else 0.0", null]));
+        let (summary, told) = run(&with(scene, pushed));
+        let energy = |name: &str| summary["energy"][name].as_f64().unwrap();
+        let (start, end) = (0.5 * 1250.0 * 0.1 * 0.1, energy("kinetic") + energy("strain"));
+        assert!(end > 1.1 * start && !told.contains("energy"), "{start} {end} {told}");
+    }
+    for (solver, velocity, weight) in [(&implicit, 0.0, 0.0), (&implicit, 0.0, 10.0), (&explicit, 0.1, 0.0)] {
+        let scene = project(([1.0, 1.0], [4, 4]), ([0.0, 0.0], [1.0, 1.0], [4, 4]), solver.clone(), 0.1);
+        let parameters = json!({"model_part_name": "Background_Grid.Top", "variable_name": "LINE_LOAD",
+                                "value": [0.0, "-2e4 if t<0.03 else 0.0", 0.0]});
+        let scene = with(on_rollers(scene), process("assign_vector_variable_to_conditions_process", parameters));
+        let scene = moving(scene, json!([0.0, -velocity, 0.0]));
+        let scene = if weight > 0.0 { with(scene, gravity([0.0, -weight, 0.0])) } else { scene };
+        let (summary, told) = run(&scene);
+        assert!(summary["energy"]["strain"].as_f64().unwrap() > 1.0 && !told.contains("energy"), "{told}");
     }
 }
 

@@ -9,13 +9,12 @@ use crate::room::crowding;
 use crate::scene::{Scene, points_of};
 use crate::settings::Frame;
 use crate::space::Space;
-use crate::variables::{ACCELERATION, DISPLACEMENT, VELOCITY};
 use bia_constitutive::Kinematics;
 use bia_kernel::error::Error;
 use bia_kernel::io::dataset::{CellsOf, Dataset, Field, FieldData};
 use bia_kernel::model::Model;
 use bia_kernel::solving::solver::{ColumnUse, Counts, Inventory, MechanicalEnergy, write_failed_state};
-use bia_kernel::variables::{Column, Variable};
+use bia_kernel::variables::Column;
 use std::path::{Path, PathBuf};
 
 impl Scene {
@@ -77,6 +76,40 @@ impl Scene {
             remarks.extend(crowding(model, self.locator.as_ref()));
         }
         remarks
+    }
+
+    /// Energy of bodies on which nothing but their weight works, as nothing else has done in any step. What no law tells is none at the start, so that
+    /// what is told may only fall.
+    pub fn mechanical_energy(&self, model: &Model) -> Option<MechanicalEnergy> {
+        let points = points_of(model)?;
+        let known = |block: &Block| {
+            block.velocity.is_used()
+                && !block.body_acceleration.is_used()
+                && (block.has_energy || !block.starts_stressed)
+        };
+        if self.was_worked_on || points.losses.count + points.losses.clamped > 0 || !points.blocks.iter().all(known) {
+            return None;
+        }
+        let energies = total_energies(points, Selection::All);
+        let strain = if points.blocks.iter().all(|block| block.has_energy) { energies.strain } else { 0.0 };
+        let lasts = |block: &Block| block.has_energy && !block.state.is_used() && block.gravity == [0.0; 3];
+        let mut energy = MechanicalEnergy {
+            own: energies.kinetic + strain,
+            is_kept: points.blocks.iter().all(lasts),
+            ..MechanicalEnergy::default()
+        };
+        for block in &points.blocks {
+            let height = |point: usize| -> f64 {
+                -block.position.row(point).iter().zip(block.gravity).map(|(x, g)| g * x).sum::<f64>()
+            };
+            let lowest = (0..block.len()).map(height).fold(f64::INFINITY, f64::min);
+            for point in block.in_order_of_id() {
+                let (mass, height) = (block.mass.row(point as usize)[0], height(point as usize));
+                energy.potential += mass * height;
+                energy.height += mass * (height - lowest);
+            }
+        }
+        Some(energy)
     }
 
     /// Legal but suspicious facts.
@@ -220,48 +253,6 @@ pub fn energies(model: &Model) -> Vec<(&'static str, f64)> {
         list.push(("strain", energies.strain));
     }
     list
-}
-
-/// Energy of bodies on which nothing but their weight works. What no law tells is none at the start, so that
-/// what is told may only fall.
-pub fn mechanical_energy(model: &Model) -> Option<MechanicalEnergy> {
-    let (points, grid) = (points_of(model)?, model.part(GRID)?);
-    let known = |block: &Block| {
-        block.velocity.is_used() && !block.body_acceleration.is_used() && (block.has_energy || !block.starts_stressed)
-    };
-    let moved = |variable: &Variable| {
-        let held = grid.node_fields.fixed(variable).zip(grid.node_fields.vector(variable));
-        held.is_some_and(|(held, values)| {
-            held.iter().zip(values).any(|(held, value)| (0..3).any(|a| held[a] && value[a] != 0.0))
-        })
-    };
-    if crate::loads::are_any(grid, &points.conditions)
-        || points.losses.count + points.losses.clamped > 0
-        || !points.blocks.iter().all(known)
-        || [&DISPLACEMENT, &VELOCITY, &ACCELERATION].into_iter().any(moved)
-    {
-        return None;
-    }
-    let energies = total_energies(points, Selection::All);
-    let strain = if points.blocks.iter().all(|block| block.has_energy) { energies.strain } else { 0.0 };
-    let lasts = |block: &Block| block.has_energy && !block.state.is_used() && block.gravity == [0.0; 3];
-    let mut energy = MechanicalEnergy {
-        own: energies.kinetic + strain,
-        is_kept: points.blocks.iter().all(lasts),
-        ..MechanicalEnergy::default()
-    };
-    for block in &points.blocks {
-        let height = |point: usize| -> f64 {
-            -block.position.row(point).iter().zip(block.gravity).map(|(x, g)| g * x).sum::<f64>()
-        };
-        let lowest = (0..block.len()).map(height).fold(f64::INFINITY, f64::min);
-        for point in block.in_order_of_id() {
-            let (mass, height) = (block.mass.row(point as usize)[0], height(point as usize));
-            energy.potential += mass * height;
-            energy.height += mass * (height - lowest);
-        }
-    }
-    Some(energy)
 }
 
 /// Writes the points with every column in use to `failed_state.vtu`.

@@ -53,6 +53,8 @@ pub struct Scene {
     pub space: Space,
     /// Whether points on faces of cells are taken to stand a little within.
     pub insets: bool,
+    /// Whether loads or supports that move have worked on the bodies in any step.
+    pub was_worked_on: bool,
     catalogue: Catalogue,
     told_losses: usize,
 }
@@ -62,7 +64,8 @@ impl Scene {
     pub fn new(settings: SolverSettings, options: RunOptions) -> Self {
         let catalogue = Catalogue::default();
         let (space, insets) = (Space::default(), !options.kratos_exact);
-        Self { settings, options, materials: Vec::new(), locator: None, space, insets, catalogue, told_losses: 0 }
+        let (materials, locator, was_worked_on, told_losses) = (Vec::new(), None, false, 0);
+        Self { settings, options, materials, locator, space, insets, was_worked_on, catalogue, told_losses }
     }
 
     /// Reads meshes and materials.

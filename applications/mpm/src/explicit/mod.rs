@@ -331,7 +331,7 @@ impl Solver for Explicit {
     fn mechanical_energy(&self, model: &Model) -> Option<MechanicalEnergy> {
         // Energies are of the points' own velocities, without what an affine one adds.
         let is_affine = matches!(self.settings.transfer, Transfer::Apic | Transfer::Tpic);
-        let energy = crate::inventory::mechanical_energy(model)?;
+        let energy = self.scene.mechanical_energy(model)?;
         Some(MechanicalEnergy { is_kept: energy.is_kept && !is_affine, ..energy })
     }
 

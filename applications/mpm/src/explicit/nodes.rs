@@ -120,6 +120,11 @@ impl Nodes {
         }
     }
 
+    /// Whether walls move, or have moved in a step before.
+    pub fn have_moved(&self) -> bool {
+        !self.last.is_empty()
+    }
+
     /// Fixes the mass below which nodes are left alone, once the masses are there, and finds such nodes.
     ///
     /// # Errors

@@ -15,7 +15,7 @@ use super::sample::{Affine, Fields, Grid};
 use super::to_grid::{Gather, Wanted};
 use super::to_points::{self, Field, Strokes};
 use super::{Explicit, TO_GRID, TO_POINTS};
-use crate::loads::Loads;
+use crate::loads::{Loads, are_any};
 use crate::points::MaterialPoints;
 use crate::projection::ConsistentMass;
 use crate::settings::{Frame, Scheme, Transfer};
@@ -69,6 +69,7 @@ impl Explicit {
     /// Adds the loads to the forces and finds the acceleration, and the momentum after a time.
     fn answer_forces(&mut self, points: &MaterialPoints, grid: &ModelPart, impulse: f64) -> Result<(), Error> {
         let axisymmetric = points.kinematics == Kinematics::Axisymmetric;
+        self.scene.was_worked_on |= self.nodes.have_moved() || are_any(grid, &points.conditions);
         let loads = Loads { grid, space: &self.scene.space, conditions: &points.conditions, axisymmetric };
         loads.add(&self.nodes.dofs, &[], &mut self.nodes.sums.force);
         loads.tell_idle(&self.nodes.dofs, &mut self.told.idle_load);

@@ -14,6 +14,7 @@ impl Implicit {
     ) -> Result<(), CheckpointError> {
         archive.section("points", |archive| points.exchange(archive))?;
         self.active.exchange_reached(archive)?;
+        archive.flag("something has worked on bodies", &mut self.scene.was_worked_on)?;
         archive.column("velocity of the grid", &mut self.motion.velocity)?;
         archive.column("acceleration of the grid", &mut self.motion.acceleration)?;
         archive.column("imposed displacements", &mut self.previous)?;

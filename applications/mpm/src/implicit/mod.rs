@@ -14,7 +14,7 @@ mod transfer;
 
 use crate::active::ActiveCells;
 use crate::grid::GRID;
-use crate::loads::Loads;
+use crate::loads::{Loads, are_any};
 use crate::points::{Columns, MaterialPoints};
 use crate::scene::{Scene, move_conditions, points_of, with_points};
 use crate::settings::{Frame, Regime, SolverSettings};
@@ -260,6 +260,7 @@ impl Solver for Implicit {
             let (Some(mut system), Some(mut linear)) = (this.system.take(), this.linear.take()) else {
                 return Ok(StepReport::default());
             };
+            this.scene.was_worked_on |= are_any(grid, &points.conditions);
             let loads = Loads { grid, space: &this.scene.space, conditions: &points.conditions, axisymmetric: false };
             loads.tell_idle(&this.dofs, &mut this.told.idle_load);
             let mut mixed = this.mixed.take();
@@ -366,7 +367,7 @@ impl Solver for Implicit {
     }
 
     fn mechanical_energy(&self, model: &Model) -> Option<MechanicalEnergy> {
-        crate::inventory::mechanical_energy(model)
+        self.scene.mechanical_energy(model)
     }
 
     fn remarks(&self, model: &Model) -> Vec<String> {

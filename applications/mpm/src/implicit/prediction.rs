@@ -20,6 +20,7 @@ impl Implicit {
             for (node, value) in values.iter_mut().enumerate() {
                 for a in 0..3 {
                     let held = fixed.get(node).is_some_and(|fixed| fixed[a]);
+                    self.scene.was_worked_on |= held && value[a] != 0.0;
                     let kratos = if held { self.previous[node][a] } else { 0.0 };
                     if held && value[a] != kratos && !ignored && !self.told.imposed {
                         self.told.imposed = true;
