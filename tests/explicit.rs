@@ -161,6 +161,7 @@ fn energy_is_kept_with_the_order_of_the_scheme() {
     let ratio = |[long, short]: &[Vec<f64>; 2]| mean(long) / mean(short);
     assert!(first.iter().flatten().all(|change| *change > 0.0), "{first:?}");
     assert!(mapped.iter().flatten().all(|change| *change < 0.0), "{mapped:?}");
+    // Ten states take the oscillation at chance phases: means of a third more or less shift an order by as much.
     for (name, changes, order) in [("usf", &first, 1.0), ("musl", &mapped, 1.0), ("central", &central, 2.0)] {
         let found = ratio(changes).log2();
         assert!((found - order).abs() < 0.35, "{name}: order {found}: {changes:?}");

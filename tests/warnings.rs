@@ -207,17 +207,17 @@ fn the_work_of_a_load_is_no_growth() {
 }
 
 /// Two bodies in one place: each of the 9 inner nodes of 16 cells has twice the volume that it has room for, 9/32
-/// of all; the others, on the boundary, are half empty.
+/// of all; the others, on the boundary, are at most full.
 #[test]
 fn material_without_room_is_told() {
-    for (places, is_told) in [([0.5, 0.5], true), ([0.5, 1.75], false)] {
+    for (place, is_told) in [(0.5, true), (1.75, false)] {
         let solver = json!({"scheme_type": "newmark", "time_stepping": {"time_step": 0.01}});
         let mut scene = project(([3.0, 2.0], [12, 8]), ([0.5, 0.5], [1.5, 1.5], [4, 4]), solver, 0.005);
         let bodies = scene.pointer_mut("/modelers/1/parameters/bodies").unwrap().as_array_mut().unwrap();
         let mut other = bodies[0].clone();
         other["name"] = "Other".into();
         for (end, beyond) in [("min", 0.0), ("max", 1.0)] {
-            other["primitive"][end][0] = (places[1] + beyond).into();
+            other["primitive"][end][0] = (place + beyond).into();
         }
         bodies.push(other);
         let materials = &mut scene["solver_settings"]["material_import_settings"]["materials"];

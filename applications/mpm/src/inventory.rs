@@ -3,7 +3,7 @@
 use crate::active::{ActiveCells, NO_CELL};
 use crate::grid::GRID;
 use crate::points::across;
-use crate::points::fields::{append, total_energies};
+use crate::points::fields::append;
 use crate::points::{Block, MaterialPoints, Selection};
 use crate::room::crowding;
 use crate::scene::{Scene, points_of};
@@ -13,7 +13,7 @@ use bia_constitutive::Kinematics;
 use bia_kernel::error::Error;
 use bia_kernel::io::dataset::{CellsOf, Dataset, Field, FieldData};
 use bia_kernel::model::Model;
-use bia_kernel::solving::solver::{ColumnUse, Counts, Inventory, MechanicalEnergy, write_failed_state};
+use bia_kernel::solving::solver::{ColumnUse, Counts, Inventory, write_failed_state};
 use bia_kernel::variables::Column;
 use std::path::{Path, PathBuf};
 
@@ -76,40 +76,6 @@ impl Scene {
             remarks.extend(crowding(model, self.locator.as_ref()));
         }
         remarks
-    }
-
-    /// Energy of bodies on which nothing but their weight works, as nothing else has done in any step. What no law tells is none at the start, so that
-    /// what is told may only fall.
-    pub fn mechanical_energy(&self, model: &Model) -> Option<MechanicalEnergy> {
-        let points = points_of(model)?;
-        let known = |block: &Block| {
-            block.velocity.is_used()
-                && !block.body_acceleration.is_used()
-                && (block.has_energy || !block.starts_stressed)
-        };
-        if self.was_worked_on || points.losses.count + points.losses.clamped > 0 || !points.blocks.iter().all(known) {
-            return None;
-        }
-        let energies = total_energies(points, Selection::All);
-        let strain = if points.blocks.iter().all(|block| block.has_energy) { energies.strain } else { 0.0 };
-        let lasts = |block: &Block| block.has_energy && !block.state.is_used() && block.gravity == [0.0; 3];
-        let mut energy = MechanicalEnergy {
-            own: energies.kinetic + strain,
-            is_kept: points.blocks.iter().all(lasts),
-            ..MechanicalEnergy::default()
-        };
-        for block in &points.blocks {
-            let height = |point: usize| -> f64 {
-                -block.position.row(point).iter().zip(block.gravity).map(|(x, g)| g * x).sum::<f64>()
-            };
-            let lowest = (0..block.len()).map(height).fold(f64::INFINITY, f64::min);
-            for point in block.in_order_of_id() {
-                let (mass, height) = (block.mass.row(point as usize)[0], height(point as usize));
-                energy.potential += mass * height;
-                energy.height += mass * (height - lowest);
-            }
-        }
-        Some(energy)
     }
 
     /// Legal but suspicious facts.
@@ -237,22 +203,6 @@ fn column_uses(points: &MaterialPoints) -> Vec<ColumnUse> {
         }
     }
     uses
-}
-
-/// Energies that the columns in use allow.
-pub fn energies(model: &Model) -> Vec<(&'static str, f64)> {
-    let Some(points) = points_of(model) else { return Vec::new() };
-    let energies = total_energies(points, Selection::All);
-    let block = points.blocks.first();
-    let mut list = vec![("potential", energies.potential)];
-    if block.is_some_and(|block| block.velocity.is_used()) {
-        list.push(("kinetic", energies.kinetic));
-    }
-    let told = |block: &Block| block.has_energy || (block.strain.is_used() && block.volume.is_used());
-    if points.blocks.iter().all(told) {
-        list.push(("strain", energies.strain));
-    }
-    list
 }
 
 /// Writes the points with every column in use to `failed_state.vtu`.

@@ -4,6 +4,7 @@
 //! Sulsky, Chen & Schreyer 1994; implicit form after Iaconeta, Larese, Rossi & Oñate 2017.
 
 mod active;
+mod energy;
 mod explicit;
 mod grid;
 mod implicit;

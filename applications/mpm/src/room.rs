@@ -33,7 +33,8 @@ pub fn room(grid: &ModelPart) -> Vec<f64> {
     room
 }
 
-/// The share of the points' volume that has no room where it is, Σ max(0, V_i − R_i)/Σ V_p with
+/// The share of the points' volume that has no room where it is, on any mesh (the process's `overfill` is that of
+/// blocks of whole cells): Σ max(0, V_i − R_i)/Σ V_p with
 /// V_i = Σ N_i V_p at the nodes.
 fn without_room(grid: &ModelPart, points: &MaterialPoints, locator: &CellLocator) -> f64 {
     let mut filled = vec![0.0; grid.nodes.len()];

@@ -12,7 +12,7 @@ const REST: f64 = 1e-3;
 
 /// That energy came or went without work from the start to the end.
 fn unbalanced(start: MechanicalEnergy, end: MechanicalEnergy) -> Option<String> {
-    // What was at rest without weight has been set in motion by something.
+    // At rest without weight there is nothing beside which round-off were small.
     if start.own == 0.0 && start.height == 0.0 {
         return None;
     }

@@ -69,7 +69,7 @@ pub struct Analysis {
     warnings: Vec<String>,
     /// Nodes at which bodies were in the first step.
     reached_first: Vec<bool>,
-    /// In J, where nothing works on the bodies.
+    /// Where nothing but their weight works on the bodies.
     energy_at_start: Option<MechanicalEnergy>,
     stages: Vec<(&'static str, Duration)>,
     /// That of the last run, however it ended.

@@ -325,7 +325,7 @@ impl Solver for Explicit {
     }
 
     fn energies(&self, model: &Model) -> Vec<(&'static str, f64)> {
-        crate::inventory::energies(model)
+        crate::energy::energies(model)
     }
 
     fn mechanical_energy(&self, model: &Model) -> Option<MechanicalEnergy> {

@@ -363,7 +363,7 @@ impl Solver for Implicit {
     }
 
     fn energies(&self, model: &Model) -> Vec<(&'static str, f64)> {
-        crate::inventory::energies(model)
+        crate::energy::energies(model)
     }
 
     fn mechanical_energy(&self, model: &Model) -> Option<MechanicalEnergy> {
