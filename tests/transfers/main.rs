@@ -7,6 +7,7 @@ mod inventory;
 mod manufactured;
 mod momentum;
 mod rotation;
+mod start;
 mod unstable;
 
 use common::{Cell, Mesh, Scene, material, process};

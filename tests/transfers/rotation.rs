@@ -46,6 +46,9 @@ fn angular_momentum_is_kept_to_round_off() {
             assert!(spin < 1e-12, "{frame:?} {functions:?} {members}: angular momentum drifts by {spin:e}");
             assert!(momentum < 1e-12, "{frame:?} {functions:?} {members}: momentum drifts by {momentum:e}");
             assert!(record.last().energy("strain") > 1.0, "the block must swing");
+            // That of affine parts included, which points have from the start.
+            let lost = 1.0 - record.last().energy("total") / record.first().energy("total");
+            assert!(lost.abs() < 0.02, "{frame:?} {functions:?} {members}: energy falls by {lost}");
         }
     }
 }
@@ -61,11 +64,11 @@ fn other_transfers_lose_angular_momentum() {
         (Total, json!({"scheme_type": "velocity_verlet"}), 2.8e-2),
         (Total, json!({"stress_update": "musl", "flip_fraction": 0.99}), 0.54),
         (Total, json!({"stress_update": "musl", "transfer": "pic"}), 1.0),
-        (Total, json!({"stress_update": "usl", "transfer": "tpic"}), 0.12),
+        (Total, json!({"stress_update": "usl", "transfer": "tpic"}), 1.6e-3),
         (Total, json!({"stress_update": "usl", "transfer": "xpic"}), 0.9),
         (Updated, json!({"stress_update": "musl"}), 0.13),
         (Updated, json!({"stress_update": "musl", "transfer": "pic"}), 1.0),
-        (Updated, json!({"stress_update": "musl", "transfer": "tpic"}), 0.11),
+        (Updated, json!({"stress_update": "musl", "transfer": "tpic"}), 4.4e-3),
         (Updated, json!({"stress_update": "musl", "transfer": "xpic"}), 1.1),
     ] {
         let record = run(frame, HATS, &members);

@@ -13,4 +13,5 @@ mod modes;
 mod patch;
 mod reactions;
 mod slip;
+mod supports;
 mod vibrating_bar;

@@ -23,7 +23,7 @@ pub fn energies(model: &Model) -> Vec<(&'static str, f64)> {
 }
 
 impl Scene {
-    /// Energy of bodies on which nothing but their weight works, as nothing else has done in any step. What
+    /// Energy of bodies and the work on them, unless something worked on them in any step whose work is not known. What
     /// no law tells is none at the start, so that what is told may only fall.
     pub fn mechanical_energy(&self, model: &Model) -> Option<MechanicalEnergy> {
         let points = points_of(model)?;
@@ -37,7 +37,7 @@ impl Scene {
         }
         let lasts = |block: &Block| block.has_energy && !block.state.is_used() && block.gravity == [0.0; 3];
         let is_kept = points.blocks.iter().all(lasts);
-        let mut energy = MechanicalEnergy { is_kept, ..MechanicalEnergy::default() };
+        let mut energy = MechanicalEnergy { is_kept, work: self.work, ..MechanicalEnergy::default() };
         for block in &points.blocks {
             let height = |point: usize| -> f64 {
                 -block.position.row(point).iter().zip(block.gravity).map(|(x, g)| g * x).sum::<f64>()

@@ -100,6 +100,20 @@ impl ConsistentMass<'_> {
     }
 }
 
+/// The velocity of the grid that is nearest to that of the points, whatever is held: that with which a body starts
+/// at its supports. None if it cannot be found to round-off.
+pub fn nearest_velocity(blocks: &[Block], active: &ActiveCells, space: &Space, dofs: &ActiveDofs) -> Option<Vec<f64>> {
+    let (mut free, frames) = (dofs.clone(), NodalFrames::default());
+    free.fixed_mut().fill(false);
+    let mass = ConsistentMass { blocks, active, space, dofs: &free, frames: &frames };
+    let mut velocity = vec![0.0; free.order()];
+    let moves = blocks.iter().flat_map(|block| block.velocity.values()).any(|v| *v != 0.0);
+    if moves {
+        mass.project(&mut mass.system(), &mut velocity).ok()?;
+    }
+    Some(velocity)
+}
+
 /// M += m N_i N_j and R += m N_i (v_p − Σ N v).
 fn add_point<B: CellBasis<D, N>, const D: usize, const N: usize>(
     basis: &B,

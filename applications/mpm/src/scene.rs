@@ -53,8 +53,10 @@ pub struct Scene {
     pub space: Space,
     /// Whether points on faces of cells are taken to stand a little within.
     pub insets: bool,
-    /// Whether loads or supports that move have worked on the bodies in any step.
+    /// Whether loads or supports that move have worked on the bodies in any step, and how much is not known.
     pub was_worked_on: bool,
+    /// Work in J of loads and supports that move, where the solver counts it.
+    pub work: f64,
     catalogue: Catalogue,
     told_losses: usize,
 }
@@ -65,7 +67,7 @@ impl Scene {
         let catalogue = Catalogue::default();
         let (space, insets) = (Space::default(), !options.kratos_exact);
         let (materials, locator, was_worked_on, told_losses) = (Vec::new(), None, false, 0);
-        Self { settings, options, materials, locator, space, insets, was_worked_on, catalogue, told_losses }
+        Self { settings, options, materials, locator, space, insets, was_worked_on, work: 0.0, catalogue, told_losses }
     }
 
     /// Reads meshes and materials.

@@ -255,6 +255,7 @@ impl Analysis {
         self.all(0, |process, context| process.execute_before_solution_loop(context))?;
         let mut context = Context { model: &mut self.model, clock: &self.clock, options: &self.options };
         self.solver.before_solution_loop(&mut context)?;
+        self.all(2, |process, context| process.print_start(context))?;
         match recorder {
             Some(recorder) => recorder.observe(&self.clock, self.solver.as_ref(), &self.model),
             None => Ok(()),

@@ -244,6 +244,11 @@ pub trait Process: Send {
         Ok(())
     }
 
+    /// Once, after the solver too is ready: output processes show the state at the start.
+    fn print_start(&mut self, context: &mut Context) -> Result<(), Error> {
+        Ok(())
+    }
+
     /// At the start of each step, before the search.
     fn execute_initialize_solution_step(&mut self, context: &mut Context) -> Result<(), Error> {
         Ok(())

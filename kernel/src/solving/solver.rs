@@ -61,7 +61,7 @@ pub struct ColumnUse {
     pub bytes: usize,
 }
 
-/// Energy of bodies in J that nothing but their weight works on.
+/// Energy of bodies in J, and the work on them where anything but their weight works.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct MechanicalEnergy {
     /// Kinetic energy, and strain energy where the law has one.
@@ -70,6 +70,8 @@ pub struct MechanicalEnergy {
     pub potential: f64,
     /// What the weight could do if all sank to the lowest place.
     pub height: f64,
+    /// Work of loads and of supports that move since the start; 0 where there are none.
+    pub work: f64,
     /// Neither laws nor a weight take any of it, and it is all that there is.
     pub is_kept: bool,
 }
@@ -80,12 +82,13 @@ impl MechanicalEnergy {
     /// # Errors
     /// The checkpoint does not hold it.
     pub fn exchange(energy: &mut Option<Self>, archive: &mut Archive) -> Result<(), CheckpointError> {
-        let mut values = energy.map_or(Vec::new(), |e| vec![[e.own, e.potential, e.height]]);
+        let mut values = energy.map_or(Vec::new(), |e| vec![[e.own, e.potential, e.height, e.work]]);
         let mut is_kept = energy.is_some_and(|e| e.is_kept);
         archive.column("energy at the start", &mut values)?;
         archive.flag("energy at the start is kept", &mut is_kept)?;
         if archive.is_loading() {
-            *energy = values.first().map(|&[own, potential, height]| Self { own, potential, height, is_kept });
+            let of = |&[own, potential, height, work]: &[f64; 4]| Self { own, potential, height, work, is_kept };
+            *energy = values.first().map(of);
         }
         Ok(())
     }
@@ -180,8 +183,8 @@ pub trait Solver: Send {
     /// Kinetic, strain and potential energy in joules, as far as they are known.
     fn energies(&self, model: &Model) -> Vec<(&'static str, f64)>;
 
-    /// Energy of bodies on which nothing that the solver knows of works but their weight: no loads, no
-    /// supports that move. None where something does, or where the scene has no inertia.
+    /// Energy of bodies, and the work that was done on them. None where something works on them whose work is not
+    /// known, or where the scene has no inertia.
     #[allow(unused_variables)]
     fn mechanical_energy(&self, model: &Model) -> Option<MechanicalEnergy> {
         None

@@ -89,7 +89,7 @@ impl Process for Energy {
         requirements.energies = true;
     }
 
-    fn execute_before_solution_loop(&mut self, context: &mut Context) -> Result<(), Error> {
+    fn print_start(&mut self, context: &mut Context) -> Result<(), Error> {
         let part = self.settings.text("model_part_name").to_string();
         self.write(&format!("# {part}\n# time kinetic_energy strain_energy their_sum boundary_work\n"))?;
         self.row(context.model, context.clock)

@@ -116,7 +116,7 @@ impl Process for PointOutput {
         self.files.prepare()
     }
 
-    fn execute_before_solution_loop(&mut self, context: &mut Context) -> Result<(), Error> {
+    fn print_start(&mut self, context: &mut Context) -> Result<(), Error> {
         self.print(context.model, context.clock)
     }
 

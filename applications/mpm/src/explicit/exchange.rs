@@ -14,7 +14,7 @@ impl Explicit {
     ) -> Result<(), CheckpointError> {
         archive.section("points", |archive| points.exchange(archive))?;
         self.active.exchange_reached(archive)?;
-        archive.flag("something has worked on bodies", &mut self.scene.was_worked_on)?;
+        archive.number("work on bodies", &mut self.scene.work)?;
         archive.section("search", |archive| self.search.exchange(archive))?;
         archive.section("active cells", |archive| self.active.exchange(archive))?;
         if archive.is_loading() {

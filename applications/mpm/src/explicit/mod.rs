@@ -9,6 +9,7 @@
 //! Sources: Sulsky, Zhou & Schreyer 1995; Bardenhagen 2002; Nairn 2003.
 
 mod affine;
+mod affine_state;
 mod cells;
 mod chunk;
 mod courant;
@@ -50,7 +51,7 @@ use kratos_faults::KratosFaults;
 use limits::Limits;
 use nodes::Nodes;
 use patches::Patches;
-use sample::Records;
+use sample::{Affine, Records};
 use search::Search;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -198,6 +199,7 @@ impl Solver for Explicit {
                 Transfer::Apic | Transfer::Tpic => dimension * dimension,
                 Transfer::Xpic(_) => dimension,
             },
+            affine: self.affine() != Affine::None,
             ..Columns::default()
         };
         self.scene.make_points(model, requirements, needed)?;
@@ -233,6 +235,7 @@ impl Solver for Explicit {
         if self.frame() == Frame::Updated {
             self.limits.point = stability::point_speed(points);
         }
+        with_points(context.model, |points, _| self.start_affine(points))?;
         tracing::info!("stable time step {:.4e} s: {}", self.limits.stable_step(), self.limits.describe());
         Ok(())
     }
@@ -303,6 +306,8 @@ impl Solver for Explicit {
         let time_step = context.clock.time_step;
         with_points(context.model, |points, grid| {
             self.move_points(points, grid, time_step)?;
+            self.scene.work += self.nodes.work(time_step);
+            self.show_affine_energy(points);
             let carrying = &self.nodes.carrying;
             let mut increments = Vec::new();
             if !points.conditions.is_empty() || (self.shows(DISPLACEMENT.name) && !self.faults.shows_old_nodes()) {
@@ -325,14 +330,16 @@ impl Solver for Explicit {
     }
 
     fn energies(&self, model: &Model) -> Vec<(&'static str, f64)> {
-        crate::energy::energies(model)
+        let mut energies = crate::energy::energies(model);
+        if let Some((_, kinetic)) = energies.iter_mut().find(|(name, _)| *name == "kinetic") {
+            *kinetic += self.hidden_energy(model);
+        }
+        energies
     }
 
     fn mechanical_energy(&self, model: &Model) -> Option<MechanicalEnergy> {
-        // Energies are of the points' own velocities, without what an affine one adds.
-        let is_affine = matches!(self.settings.transfer, Transfer::Apic | Transfer::Tpic);
         let energy = self.scene.mechanical_energy(model)?;
-        Some(MechanicalEnergy { is_kept: energy.is_kept && !is_affine, ..energy })
+        Some(MechanicalEnergy { own: energy.own + self.hidden_energy(model), ..energy })
     }
 
     fn remarks(&self, model: &Model) -> Vec<String> {

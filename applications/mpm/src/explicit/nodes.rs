@@ -40,9 +40,13 @@ pub struct Nodes {
     pub acceleration: Vec<f64>,
     /// Force that holds the fixed components.
     pub reaction: Vec<f64>,
+    /// Force of loads; empty without any.
+    loads: Vec<f64>,
     imposed: Vec<f64>,
     /// Velocities imposed in the last step by grid node, NaN where free; empty while none moves.
     last: Vec<[f64; 3]>,
+    /// Supports move now, and did not before.
+    begins: bool,
     least_mass: f64,
     /// Light nodes, each with the others of its active cells.
     light: Vec<(u32, Vec<u32>)>,
@@ -69,14 +73,21 @@ impl Nodes {
     /// Sets sums to zero and reads the fixed components. A displacement u imposed on one acts as the
     /// velocity u/Δt; its acceleration is the change of that velocity since the last step.
     pub fn start(&mut self, grid: &ModelPart, space: &Space, time_step: f64, faults: KratosFaults) {
-        self.sums.reset(&self.dofs);
-        let (order, block) = (self.dofs.order(), self.dofs.block());
-        for values in [&mut self.velocity, &mut self.acceleration, &mut self.imposed, &mut self.reaction] {
-            values.resize(order, 0.0);
-        }
+        self.clear();
+        let block = self.dofs.block();
         self.fix(grid, space, time_step, faults);
         let slides = if faults.ignores_walls() { &[] } else { grid.node_fields.slides(&DISPLACEMENT) };
         self.frames = NodalFrames::new(block, &self.dofs, slides);
+    }
+
+    /// Sets sums to zero, with room for all fields.
+    pub fn clear(&mut self) {
+        self.sums.reset(&self.dofs);
+        self.loads.clear();
+        let order = self.dofs.order();
+        for values in [&mut self.velocity, &mut self.acceleration, &mut self.imposed, &mut self.reaction] {
+            values.resize(order, 0.0);
+        }
     }
 
     fn fix(&mut self, grid: &ModelPart, space: &Space, time_step: f64, faults: KratosFaults) {
@@ -111,6 +122,7 @@ impl Nodes {
             moves
         });
         let moves = moves.reduce(|| false, |a, b| a | b);
+        self.begins = moves && self.last.is_empty();
         // Only walls that move are remembered, and all their nodes, active or not.
         if !self.last.is_empty() || moves {
             self.last.resize(space.len(), [f64::NAN; 3]);
@@ -120,9 +132,33 @@ impl Nodes {
         }
     }
 
-    /// Whether walls move, or have moved in a step before.
-    pub fn have_moved(&self) -> bool {
-        !self.last.is_empty()
+    /// Whether supports move now and have not been seen to move.
+    pub fn begin_to_move(&self) -> bool {
+        self.begins
+    }
+
+    /// Takes supports that move now as having moved as the body did before, with this velocity.
+    pub fn start_supports(&mut self, of_body: &[f64], time_step: f64) {
+        for (dof, held) in self.dofs.fixed().iter().enumerate() {
+            if *held && self.imposed[dof] != 0.0 {
+                self.acceleration[dof] = (self.imposed[dof] - of_body[dof]) / time_step;
+            }
+        }
+    }
+
+    /// Adds loads to the forces.
+    pub fn load(&mut self, add: impl FnOnce(&ActiveDofs, &mut [f64])) {
+        self.loads.clear();
+        self.loads.resize(self.dofs.order(), 0.0);
+        add(&self.dofs, &mut self.loads);
+        self.sums.force.iter_mut().zip(&self.loads).for_each(|(force, load)| *force += load);
+    }
+
+    /// Work in J of loads and of supports that move in a step of this length.
+    pub fn work(&self, time_step: f64) -> f64 {
+        let of = |forces: &[f64]| forces.iter().zip(&self.carrying).map(|(f, v)| f * v).sum::<f64>();
+        // Supports move where walls are remembered.
+        time_step * (of(&self.loads) + if self.last.is_empty() { 0.0 } else { of(&self.reaction) })
     }
 
     /// Fixes the mass below which nodes are left alone, once the masses are there, and finds such nodes.

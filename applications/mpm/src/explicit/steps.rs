@@ -17,11 +17,12 @@ use super::to_points::{self, Field, Strokes};
 use super::{Explicit, TO_GRID, TO_POINTS};
 use crate::loads::{Loads, are_any};
 use crate::points::MaterialPoints;
-use crate::projection::ConsistentMass;
+use crate::projection::{ConsistentMass, nearest_velocity};
 use crate::settings::{Frame, Scheme, Transfer};
 use bia_constitutive::Kinematics;
 use bia_kernel::error::Error;
 use bia_kernel::model::ModelPart;
+use bia_kernel::variables::Column;
 use std::time::Instant;
 
 /// Lengths of the stages of Yoshida's scheme of fourth order, in steps: w = 1/(2 − 2^⅓), 1 − 2w, w.
@@ -32,11 +33,36 @@ impl Explicit {
     ///
     /// # Errors
     /// A function of negative mass.
-    pub(super) fn start(&mut self, points: &MaterialPoints, grid: &ModelPart, time_step: f64) -> Result<(), Error> {
+    pub(super) fn start(&mut self, points: &mut MaterialPoints, grid: &ModelPart, time_step: f64) -> Result<(), Error> {
         self.nodes.start(grid, &self.scene.space, time_step, self.faults);
         let wanted = if self.updates_stress_first() { Wanted::Momentum } else { Wanted::Both };
         self.gather(points, wanted, time_step);
-        Ok(self.nodes.weigh(&self.scene.space, &self.active, self.faults)?)
+        self.nodes.weigh(&self.scene.space, &self.active, self.faults)?;
+        if self.nodes.begin_to_move() {
+            let of_body = self.velocity_of_body(points).unwrap_or_else(|| self.nodes.mean_velocity());
+            self.nodes.start_supports(&of_body, time_step);
+        }
+        Ok(())
+    }
+
+    /// The velocity of the grid that is nearest to that of the points. Those that do without local coordinates get
+    /// them for this once.
+    fn velocity_of_body(&self, points: &mut MaterialPoints) -> Option<Vec<f64>> {
+        let (locator, space) = (self.scene.locator.as_ref()?, &self.scene.space);
+        let dimension = points.dimension();
+        let of_columns: Vec<bool> = points.blocks.iter().map(|block| block.local.is_used()).collect();
+        for block in points.blocks.iter_mut().filter(|block| !block.local.is_used()) {
+            block.local = Column::new(dimension, block.len());
+            for point in 0..block.len() {
+                let (x, cell) = (block.coordinates(point), block.cell[point]);
+                let xi = locator.locate(x, Some(cell)).map_or([0.0; 3], |(_, xi)| xi);
+                block.local.row_mut(point).copy_from_slice(&space.local(cell as usize, x, xi)[..dimension]);
+            }
+        }
+        let velocity = nearest_velocity(&points.blocks, &self.active, space, &self.nodes.dofs);
+        let unused = points.blocks.iter_mut().zip(of_columns).filter(|(_, used)| !used);
+        unused.for_each(|(block, _)| block.local = Column::default());
+        velocity
     }
 
     /// The acceleration of the grid, and its velocity after it.
@@ -69,9 +95,10 @@ impl Explicit {
     /// Adds the loads to the forces and finds the acceleration, and the momentum after a time.
     fn answer_forces(&mut self, points: &MaterialPoints, grid: &ModelPart, impulse: f64) -> Result<(), Error> {
         let axisymmetric = points.kinematics == Kinematics::Axisymmetric;
-        self.scene.was_worked_on |= self.nodes.have_moved() || are_any(grid, &points.conditions);
         let loads = Loads { grid, space: &self.scene.space, conditions: &points.conditions, axisymmetric };
-        loads.add(&self.nodes.dofs, &[], &mut self.nodes.sums.force);
+        if are_any(grid, &points.conditions) {
+            self.nodes.load(|dofs, forces| loads.add(dofs, &[], forces));
+        }
         loads.tell_idle(&self.nodes.dofs, &mut self.told.idle_load);
         self.nodes.accelerate(impulse);
         if let Some(mut system) = self.system.take() {
@@ -160,7 +187,8 @@ impl Explicit {
             affine: self.affine(),
             displacement: &displacement,
         };
-        let kicked = self.strokes(points, time_step, fields, strokes);
+        let keep = fields.affine != Affine::None;
+        let kicked = self.strokes(points, time_step, fields, Strokes { keep, ..strokes });
         self.nodes.acceleration = acceleration;
         (self.nodes.velocity, self.nodes.carrying) = (velocity, carrying);
         self.nodes.displacement = displacement;
@@ -231,7 +259,7 @@ impl Explicit {
     }
 
     /// Sums the points up on the nodes.
-    fn gather(&mut self, points: &MaterialPoints, wanted: Wanted, time_step: f64) {
+    pub(super) fn gather(&mut self, points: &MaterialPoints, wanted: Wanted, time_step: f64) {
         let begin = Instant::now();
         let central = self.settings.scheme == Scheme::CentralDifference;
         let gather = Gather {
@@ -253,7 +281,7 @@ impl Explicit {
     }
 
     /// Does these strokes with the points, by these fields of the grid.
-    fn strokes(
+    pub(super) fn strokes(
         &mut self,
         points: &mut MaterialPoints,
         time_step: f64,

@@ -4,7 +4,7 @@
 use super::chunk::{Chunk, Opened, open};
 use super::rows::AHEAD;
 use super::rows::Rows;
-use super::sample::{Affine, Fields, Grid, Records, Sample, Samples};
+use super::sample::{Fields, Grid, Records, Sample, Samples};
 use super::strain::{Batch, Material};
 use crate::points::MaterialPoints;
 use crate::settings::{Frame, Transfer};
@@ -49,6 +49,8 @@ pub struct Strokes {
     pub filter: bool,
     /// Change velocities.
     pub kick: bool,
+    /// Keep the affine part of the smooth velocity.
+    pub keep: bool,
     /// Move points.
     pub drift: bool,
 }
@@ -163,6 +165,9 @@ fn work_on<const D: usize>(
         if strokes.kick {
             found.fastest = dispatch(arch, Kick::<D> { chunk, samples, field })?.max(found.fastest);
         }
+        if strokes.keep {
+            samples.iter().for_each(|sample| store_affine::<D>(sample.rows, chunk.transfer, &sample.affine));
+        }
         if strokes.drift {
             dispatch(arch, Drift::<D> { chunk, samples, field, leavers: &mut found.leavers })?;
         }
@@ -237,16 +242,12 @@ impl<const D: usize> pulp::WithSimd for Kick<'_, '_, D> {
             if !chunk.acceleration.is_empty() {
                 rows.store(chunk.acceleration, &change);
             }
-            if field.fields.affine != Affine::None {
-                store_affine::<D>(rows, chunk.transfer, &sample.affine);
-            }
         }
         Ok(fastest.pack().0.into_iter().fold(0.0, f64::max))
     }
 }
 
 /// Writes the affine part of the velocity, row by row.
-#[inline(always)]
 fn store_affine<const D: usize>(rows: Rows, column: &mut [f64], affine: &Tensor<Pack>) {
     for (l, point) in rows.points().enumerate() {
         for a in 0..D {

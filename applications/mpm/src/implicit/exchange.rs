@@ -17,6 +17,7 @@ impl Implicit {
         archive.flag("something has worked on bodies", &mut self.scene.was_worked_on)?;
         archive.column("velocity of the grid", &mut self.motion.velocity)?;
         archive.column("acceleration of the grid", &mut self.motion.acceleration)?;
+        archive.column("velocity of what is held", &mut self.motion.held)?;
         archive.column("imposed displacements", &mut self.previous)?;
         self.mixed.as_mut().map_or(Ok(()), |mixed| mixed.exchange(archive))
     }

@@ -34,7 +34,7 @@ use bia_kernel::solving::solver::{Inventory, MechanicalEnergy, Reached, Solver};
 use bia_kernel::solving::{ActiveDofs, Criterion, NodalFrames, StepReport, System};
 use element::Rule;
 use kratos_faults::KratosFaults;
-use mixed::{Mixed, check_fluids, relax_fluids};
+use mixed::{Mixed, check_fluids, relax_fluids, stray_volume};
 use motion::Motion;
 use nalgebra::Matrix3;
 use nodal_output::NodalOutput;
@@ -351,7 +351,7 @@ impl Solver for Implicit {
             this.increments = increments;
             this.mixed.iter_mut().for_each(Mixed::has_stepped);
             if is_total {
-                this.motion = Motion { velocity: velocities, acceleration: accelerations };
+                (this.motion.velocity, this.motion.acceleration) = (velocities, accelerations);
             }
             this.stages[TO_POINTS].1 += start.elapsed();
             Ok(())
@@ -371,7 +371,9 @@ impl Solver for Implicit {
     }
 
     fn remarks(&self, model: &Model) -> Vec<String> {
-        self.scene.remarks(model)
+        let mut remarks = self.scene.remarks(model);
+        remarks.extend(points_of(model).and_then(stray_volume));
+        remarks
     }
 
     fn reached(&self, model: &Model) -> Option<Reached> {

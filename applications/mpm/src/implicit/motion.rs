@@ -5,12 +5,16 @@
 //! the transfer to the points and back would smooth, and order and energy of the time scheme with
 //! it, is left as it is. A share of PIC ([`Implicit`]'s `flip_fraction`) brings the points' velocity
 //! back in, and its dissipation.
+//!
+//! Held dofs move as their supports do in the total frame. In the updated frame points bring the motion of the
+//! material beside, as in Kratos, which a support stops anew in each step, an error of first order in the
+//! cells along it; `held_motion` "imposed" takes that of the support there, too.
 
 use super::Implicit;
 use super::mixed::Mixed;
 use super::problem::Inertia;
 use crate::points::MaterialPoints;
-use crate::projection::ConsistentMass;
+use crate::projection::{ConsistentMass, nearest_velocity};
 use crate::settings::Frame;
 use bia_kernel::error::Error;
 use bia_kernel::model::ModelPart;
@@ -24,9 +28,63 @@ pub struct Motion {
     pub velocity: Vec<f64>,
     /// Acceleration.
     pub acceleration: Vec<f64>,
+    /// Velocity by which held functions moved in the last step, NaN where free; empty while none moves.
+    pub held: Vec<[f64; 3]>,
+}
+
+/// How a held dof moves at the start of a step.
+pub(super) struct HeldDof {
+    dof: usize,
+    velocity: f64,
+    acceleration: f64,
 }
 
 impl Implicit {
+    /// The motion of the held dofs at the start of a step, evenly accelerated from the velocity of the last step to
+    /// that of this one, each the increment over the length of the step. Remembers the velocity of this one.
+    /// Supports that begin to move have moved as the body did before; those at rest have been at rest,
+    /// so that a body that is flung from them keeps its energy.
+    fn held_motion(&mut self, points: &MaterialPoints, time_step: f64) -> Vec<HeldDof> {
+        let moves = self.increments.iter().zip(self.dofs.fixed()).any(|(u, held)| *held && *u != 0.0);
+        let of_body = if self.motion.held.is_empty() && moves {
+            let by_mass = || self.by_mass(&self.sums.momentum);
+            nearest_velocity(&points.blocks, &self.active, &self.scene.space, &self.dofs).unwrap_or_else(by_mass)
+        } else {
+            Vec::new()
+        };
+        let starts = self.mixed.as_ref().is_some_and(Mixed::starts);
+        // Points take the acceleration of a jump with this weight now and with what is left of 1 in the next step;
+        // the first step with pressures, backward Euler, has the weight 1.
+        let late = if starts { 1.0 / (2.0 - self.scene.settings.point_gamma) } else { 0.5 };
+        let (block, dofs, held) = (self.dofs.block(), &self.dofs, &mut self.motion.held);
+        let of_step = |dof: usize| self.increments[dof] / time_step;
+        let fixed = || dofs.fixed().iter().enumerate().filter(|(_, fixed)| **fixed).map(|(dof, _)| dof);
+        let motion = |dof: usize| {
+            let function = dofs.nodes()[dof / block] as usize;
+            let remembered = || held.get(function).map(|last| last[dof % block]).filter(|last| last.is_finite());
+            let before = of_body.get(dof).copied().filter(|_| of_step(dof) != 0.0);
+            let last = before.or_else(remembered).unwrap_or_else(|| of_step(dof));
+            let acceleration = (of_step(dof) - last) / time_step;
+            HeldDof { dof, velocity: of_step(dof) - late * time_step * acceleration, acceleration }
+        };
+        let motions = fixed().map(motion).collect();
+        if !held.is_empty() || moves {
+            held.clear();
+            held.resize(self.scene.space.len(), [f64::NAN; 3]);
+            fixed().for_each(|dof| held[dofs.nodes()[dof / block] as usize][dof % block] = of_step(dof));
+        }
+        motions
+    }
+
+    /// Lets held dofs move as their supports do, and nodes slide along walls.
+    fn hold(&self, held: &[HeldDof], [velocity, acceleration]: &mut [Vec<f64>; 2]) {
+        for held in held {
+            (velocity[held.dof], acceleration[held.dof]) = (held.velocity, held.acceleration);
+        }
+        self.frames.slide(velocity);
+        self.frames.slide(acceleration);
+    }
+
     /// Gathers mass, and momentum where the motion comes from the points.
     pub(super) fn gather(&mut self, points: &MaterialPoints) {
         let dynamic = self.dynamic();
@@ -49,14 +107,22 @@ impl Implicit {
         }
         let (conserves, newmark) = (settings.conserves_energy, settings.newmark);
         let consistent = settings.consistent_mass || conserves;
-        let motion = if settings.discretisation.frame == Frame::Total {
+        let is_total = settings.discretisation.frame == Frame::Total;
+        let gathers = !is_total && !settings.imposes_held_motion;
+        let held = if gathers { Vec::new() } else { self.held_motion(points, time_step) };
+        let motion = if is_total {
             let Some(mut system) = self.system.take() else { return Ok(()) };
-            let kept = self.keep_motion(points, grid, time_step, &mut system);
+            let kept = self.keep_motion(points, grid, time_step, &mut system, &held);
             self.system = Some(system);
             kept?;
             (self.motion.velocity.clone(), self.motion.acceleration.clone())
         } else {
-            (self.by_mass(&self.sums.momentum), self.by_mass(&self.sums.inertia))
+            let mut motion = [self.by_mass(&self.sums.momentum), self.by_mass(&self.sums.inertia)];
+            if !gathers {
+                self.hold(&held, &mut motion);
+            }
+            let [velocity, acceleration] = motion;
+            (velocity, acceleration)
         };
         let starts = self.mixed.as_ref().is_some_and(Mixed::starts);
         self.inertia = Some(Inertia {
@@ -91,6 +157,7 @@ impl Implicit {
         grid: &ModelPart,
         time_step: f64,
         system: &mut System,
+        held: &[HeldDof],
     ) -> Result<(), Error> {
         let settings = &self.scene.settings;
         let consistent = settings.consistent_mass || settings.conserves_energy;
@@ -107,8 +174,7 @@ impl Implicit {
         if from_points {
             motion.velocity = if consistent { vec![0.0; self.dofs.order()] } else { self.by_mass(&self.sums.momentum) };
         }
-        let held = || self.dofs.fixed().iter().zip(&self.increments).enumerate().filter(|(_, (held, _))| **held);
-        held().for_each(|(dof, (_, u))| motion.velocity[dof] = u / time_step);
+        held.iter().for_each(|held| motion.velocity[held.dof] = held.velocity);
         self.frames.slide(&mut motion.velocity);
         let has_pressures = self.mixed.is_some();
         if from_points && consistent {
@@ -129,7 +195,7 @@ impl Implicit {
                 false => self.by_mass(&system.rhs),
             };
         }
-        held().for_each(|(dof, _)| motion.acceleration[dof] = 0.0);
+        held.iter().for_each(|held| motion.acceleration[held.dof] = held.acceleration);
         self.frames.slide(&mut motion.acceleration);
         self.motion = motion;
         Ok(())

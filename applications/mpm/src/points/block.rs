@@ -2,6 +2,7 @@
 
 use super::conditions::PointConditions;
 use super::lost::Losses;
+use super::measures::resists_rates;
 use bia_constitutive::{Kinematics, Law, LawError};
 use bia_kernel::error::Failure;
 use bia_kernel::variables::Column;
@@ -33,6 +34,10 @@ pub struct Columns {
     pub body_acceleration: bool,
     /// Numbers a point that the transfer of velocity keeps.
     pub transfer: usize,
+    /// These numbers are an affine part of the velocity.
+    pub affine: bool,
+    /// Kinetic energy, which such a part adds to.
+    pub kinetic_energy: bool,
 }
 
 /// Points of one body with one material.
@@ -65,6 +70,8 @@ pub struct Block {
     pub transfer: Column,
     /// Whether these are first moments, which count in the angular momentum.
     pub moments: bool,
+    /// Kinetic energy per mass of the affine part of the velocity in J/kg, where there is one and energies are wanted.
+    pub affine_energy: Column,
     /// Ids, each once. In what order the points stand is the solver's choice, which may sort them by
     /// cell ([`Block::reorder`]); whoever writes them out goes by [`Block::in_order_of_id`] or
     /// [`MaterialPoints::by_id`].
@@ -158,10 +165,17 @@ impl Block {
         self.pressure.row(point).first().copied()
     }
 
-    /// Lets a body at rest start with the acceleration of its body forces: let go without stress, it
-    /// accelerates so from the first instant.
+    /// Whether stresses that only its flow makes act from the first instant: velocities differ, and the law
+    /// resists rates.
+    pub fn starts_sheared(&self) -> bool {
+        let velocities = || (0..self.len()).map(|point| self.velocity.row(point));
+        velocities().any(|velocity| velocity != self.velocity.row(0)) && resists_rates(self.law.as_ref())
+    }
+
+    /// Lets a body start with the acceleration of its body forces: let go without stress, it
+    /// accelerates so from the first instant. What stress holds at the start is taken to be in balance.
     pub fn start_with_body_acceleration(&mut self) {
-        if !self.acceleration.is_used() || self.starts_stressed {
+        if !self.acceleration.is_used() || self.starts_stressed || self.starts_sheared() {
             return;
         }
         for point in 0..self.len() {
@@ -173,7 +187,7 @@ impl Block {
     }
 
     /// All columns with their names.
-    pub fn columns(&self) -> [(&'static str, &Column); 14] {
+    pub fn columns(&self) -> [(&'static str, &Column); 15] {
         [
             ("local coordinates", &self.local),
             ("position", &self.position),
@@ -189,10 +203,11 @@ impl Block {
             ("pressure", &self.pressure),
             ("body acceleration", &self.body_acceleration),
             ("transfer", &self.transfer),
+            ("affine energy", &self.affine_energy),
         ]
     }
 
-    pub(super) fn columns_mut(&mut self) -> [&mut Column; 14] {
+    pub(super) fn columns_mut(&mut self) -> [&mut Column; 15] {
         [
             &mut self.local,
             &mut self.position,
@@ -208,6 +223,7 @@ impl Block {
             &mut self.pressure,
             &mut self.body_acceleration,
             &mut self.transfer,
+            &mut self.affine_energy,
         ]
     }
 

@@ -32,7 +32,7 @@ const POINT_VARIABLES: &[(&str, Columns)] = &[
     ("MP_PRESSURE", Columns { pressure: true, ..NONE }),
     ("MP_MATERIAL_ID", NONE),
     ("MP_POTENTIAL_ENERGY", NONE),
-    ("MP_KINETIC_ENERGY", VELOCITY),
+    ("MP_KINETIC_ENERGY", KINETIC_ENERGY),
     ("MP_STRAIN_ENERGY", Columns { strain_energy: true, ..NONE }),
     ("MP_TOTAL_ENERGY", ENERGY),
     ("MP_STRAIN_ENERGY_DENSITY", Columns { strain_energy: true, ..NONE }),
@@ -51,11 +51,14 @@ const NONE: Columns = Columns {
     pressure: false,
     body_acceleration: false,
     transfer: 0,
+    affine: false,
+    kinetic_energy: false,
 };
 const VELOCITY: Columns = Columns { velocity: true, ..NONE };
+const KINETIC_ENERGY: Columns = Columns { kinetic_energy: true, ..VELOCITY };
 const STRESS: Columns = Columns { stress: true, ..NONE };
 /// What the energies need.
-pub const ENERGY: Columns = Columns { velocity: true, strain_energy: true, ..NONE };
+pub const ENERGY: Columns = Columns { strain_energy: true, ..KINETIC_ENERGY };
 /// What the account of a run shows.
 pub const RECORD: Columns = Columns {
     displacement: true,
@@ -65,6 +68,7 @@ pub const RECORD: Columns = Columns {
     strain: true,
     strain_energy: true,
     volume: true,
+    kinetic_energy: true,
     ..NONE
 };
 
@@ -103,6 +107,8 @@ impl Columns {
             pressure: self.pressure || other.pressure,
             body_acceleration: self.body_acceleration || other.body_acceleration,
             transfer: if self.transfer > other.transfer { self.transfer } else { other.transfer },
+            affine: self.affine || other.affine,
+            kinetic_energy: self.kinetic_energy || other.kinetic_energy,
         }
     }
 }
@@ -182,7 +188,7 @@ pub fn append_condition(conditions: &PointConditions, index: usize, variable: &s
 pub struct Energies {
     /// Σ m |g| x, componentwise as in Kratos; gravity alone has a potential.
     pub potential: f64,
-    /// ½ m v².
+    /// ½ m v², and the energy of an affine part of the velocity.
     pub kinetic: f64,
     /// V₀ W with the energy W per reference volume of the law, or ½ V σ:ε ([`Block::has_energy`]).
     pub strain: f64,
@@ -200,9 +206,10 @@ pub fn energies(block: &Block, point: usize) -> Energies {
     let mass = block.mass.row(point)[0];
     let position = block.position.row(point);
     let velocity = block.velocity.row(point);
+    let affine = block.affine_energy.row(point).first().copied().unwrap_or(0.0);
     Energies {
         potential: position.iter().zip(block.gravity).map(|(x, g)| mass * g.abs() * x).sum(),
-        kinetic: 0.5 * mass * velocity.iter().map(|v| v * v).sum::<f64>(),
+        kinetic: mass * (0.5 * velocity.iter().map(|v| v * v).sum::<f64>() + affine),
         strain: strain_energy(block, point),
     }
 }

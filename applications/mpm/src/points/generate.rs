@@ -225,6 +225,7 @@ fn new_block(plan: &Plan, body: usize, id: u32, element: u32) -> Result<Block, I
             gravity: [0.0; 3],
             body_acceleration: Column::default(),
             transfer: Column::default(),
+            affine_energy: Column::default(),
             ids: Vec::new(),
             cell: Vec::new(),
             local: Column::new(if plan.columns.local { kinematics.dimension() } else { 0 }, 0),
@@ -329,6 +330,7 @@ fn allocate(block: &mut Block, plan: &Plan) {
     block.body_acceleration = column(dimension, columns.body_acceleration);
     block.pressure = column(1, columns.pressure);
     block.transfer = column(columns.transfer, columns.transfer > 0);
+    block.affine_energy = column(1, columns.affine && columns.kinetic_energy);
     if columns.volume || work {
         block.volume = block.mass.clone();
         block.volume.values_mut().iter_mut().for_each(|volume| *volume /= block.density);

@@ -3,7 +3,7 @@
 
 use super::block::{Block, expand};
 use bia_constitutive::tensor::{displacement_gradient, stress_from_voigt, stress_to_voigt};
-use bia_constitutive::{Deformation, Kinematics, Voigt};
+use bia_constitutive::{Deformation, Kinematics, Law, Voigt};
 use nalgebra::Matrix3;
 
 /// Hencky strain ln √b, b = F Fᵀ; not a number where F is singular.
@@ -46,6 +46,21 @@ pub fn cauchy_stress(block: &Block, point: usize) -> Matrix3<f64> {
     };
     place(block, block.stress.row(point), &mut voigt);
     stress_from_voigt(&voigt)
+}
+
+/// Whether the law's stress depends on how fast the material is sheared, as that of fluids does.
+pub fn resists_rates(law: &dyn Law) -> bool {
+    const SHEAR: f64 = 1e-3;
+    let stress = |time_step: f64| {
+        let gradient = Matrix3::new(1.0, SHEAR, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0);
+        let strain = law.uses_strain().then_some([0.0, 0.0, 0.0, SHEAR, 0.0, 0.0]);
+        let deformation =
+            Deformation { time_step, pressure: Some(0.0), strain, ..Deformation::from_gradient(gradient) };
+        let (mut state, mut out) = (vec![0.0; law.state_len()], [[0.0; 6]]);
+        law.initial_state(&mut state);
+        law.stresses(&[deformation], &mut state, &mut out).map(|()| out).ok()
+    };
+    stress(1.0) != stress(2.0)
 }
 
 /// What the law answers for the present deformation; not a number if it has no answer.

@@ -41,6 +41,7 @@ fn block(body: usize, ids: Vec<u32>) -> Block {
         gravity: [0.1, -0.2, -9.81],
         body_acceleration: column(3, count, seed + 1),
         transfer: column(9, count, seed + 2),
+        affine_energy: column(1, count, seed + 9),
         cell: ids.iter().map(|id| id % 5).collect(),
         ids,
         local: column(3, count, seed + 2),

@@ -262,11 +262,17 @@ impl Process for InitialField {
         let Some(selection) = points.select(self.values.settings.text("model_part_name")) else { return Ok(()) };
         let mut chosen = points.blocks.iter_mut().filter(|block| selection.holds(block.body));
         match &self.file {
-            Some(file) => chosen.try_for_each(|block| self.sample(block, file)),
+            Some(file) => chosen.try_for_each(|block| self.sample(block, file))?,
             None => {
                 chosen.for_each(|block| column(block).values_mut().fill(0.0));
-                self.values.add(points, time, column)
+                self.values.add(points, time, column)?;
             }
         }
+        if self.values.settings.text("variable_name") == "MP_VELOCITY" {
+            // Body forces may have been there before.
+            let sheared = |block: &&mut Block| selection.holds(block.body) && block.starts_sheared();
+            points.blocks.iter_mut().filter(sheared).for_each(|block| block.acceleration.values_mut().fill(0.0));
+        }
+        Ok(())
     }
 }

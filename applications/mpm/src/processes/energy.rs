@@ -112,7 +112,7 @@ impl Process for Energy {
         requirements.write(&self.path, self.settings.parameters());
     }
 
-    fn execute_before_solution_loop(&mut self, context: &mut Context) -> Result<(), Error> {
+    fn print_start(&mut self, context: &mut Context) -> Result<(), Error> {
         let part = self.settings.text("model_part_name").to_string();
         self.write(&format!(
             "# Energy model part '{part}'\n# time potential_energy kinetic_energy strain_energy total_energy\n"

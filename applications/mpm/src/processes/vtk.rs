@@ -205,7 +205,7 @@ impl Process for PointOutput {
     }
 
     /// The grid and the points at the start.
-    fn execute_before_solution_loop(&mut self, context: &mut Context) -> Result<(), Error> {
+    fn print_start(&mut self, context: &mut Context) -> Result<(), Error> {
         self.print_grid(context.model, context.clock)?;
         self.print(context.model, context.clock)
     }

@@ -15,7 +15,7 @@ const SEARCH: &[Key] = &[
 ];
 
 /// Keys of `solver_settings`.
-pub const KEYS: &[Key] = &Key::join::<8, 46, 54>(
+pub const KEYS: &[Key] = &Key::join::<8, 47, 55>(
     CONVERGENCE,
     [
         Key::required("solver_type", Kind::Text, "static, quasi_static or dynamic"),
@@ -71,6 +71,13 @@ pub const KEYS: &[Key] = &Key::join::<8, 46, 54>(
             Kind::Choice(&["trapezoidal", "scheme"]),
             "\"trapezoidal\"",
             "weight of the new acceleration in a point's velocity: 1/2 as in Kratos, or the scheme's gamma",
+        ),
+        Key::new(
+            "held_motion",
+            Kind::Choice(&["gathered", "imposed"]),
+            "\"gathered\"",
+            "with which velocity held nodes start an implicit step: of the points beside, as in Kratos, or of their \
+             support, which is of higher order; in the total frame always the latter",
         ),
         Key::required("time_stepping", Kind::Object(TIME_STEPPING), "the time step [s]").adjustable(),
         Key::new("compute_reactions", Kind::Bool, "false", "compute REACTION on fixed nodes"),

@@ -91,6 +91,8 @@ pub struct SolverSettings {
     pub explicit: Option<ExplicitSettings>,
     /// Time scheme of dynamics.
     pub newmark: Newmark,
+    /// Held nodes of the updated frame start an implicit step with the velocity of their support.
+    pub imposes_held_motion: bool,
     /// Weight of the new acceleration in the points' velocity.
     pub point_gamma: f64,
     /// Implicit dynamics by the mid-point rule that keeps energy.
@@ -172,6 +174,7 @@ impl SolverSettings {
             regime,
             explicit: is_explicit.then(|| explicit(&s)),
             newmark: newmark(&s),
+            imposes_held_motion: s.text("held_motion") == "imposed",
             point_gamma: if s.text("point_velocity_rule") == "scheme" { newmark(&s).gamma() } else { 0.5 },
             conserves_energy: conserves_energy(&s),
             flip_fraction: if let Transfer::Flip(fraction) = Transfer::of(&s) { fraction } else { 1.0 },

@@ -8,7 +8,7 @@ use std::path::Path;
 
 const MAGIC: &[u8; 8] = b"BIACHKPT";
 /// Version of the format: one more whenever older programs would misread the file.
-pub const FORMAT: u64 = 2;
+pub const FORMAT: u64 = 3;
 const BYTE_ORDER: &str = if cfg!(target_endian = "little") { "<" } else { ">" };
 /// Columns begin at whole multiples of this many bytes from the start of the file.
 const ALIGNMENT: usize = 8;

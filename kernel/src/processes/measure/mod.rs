@@ -229,7 +229,7 @@ impl<M: Measurement> Process for TableOutput<M> {
         self.measurement.require(requirements);
     }
 
-    fn execute_before_solution_loop(&mut self, context: &mut Context) -> Result<(), Error> {
+    fn print_start(&mut self, context: &mut Context) -> Result<(), Error> {
         let headings = self.measurement.headings(context.model);
         self.extremes = Extremes::of(headings.iter().map(|heading| heading.name.clone()).collect());
         let all: Vec<Heading> = std::iter::once(Heading::new("TIME", "s")).chain(headings).collect();

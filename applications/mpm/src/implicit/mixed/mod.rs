@@ -17,6 +17,7 @@ mod step;
 mod subscales;
 #[cfg(test)]
 mod tests;
+mod volume;
 
 use super::problem::Problem;
 use crate::points::{Block, MaterialPoints};
@@ -32,6 +33,7 @@ use gather::PressureSums;
 use osgs::Projection;
 pub use problem::MixedProblem;
 pub use step::relax_fluids;
+pub use volume::stray_volume;
 
 /// Evaluates an expression with a plane or solid cell as a [`MeshCell`] of `D` dimensions, `N` nodes and
 /// `DOFS` unknowns a node: `with_cell!(space, cell, |basis, D, N, DOFS| expression, else other)`.

@@ -58,6 +58,7 @@ fn block<const D: usize>(law: Box<dyn Law>) -> Block {
         gradient,
         body_acceleration: none(),
         transfer: none(),
+        affine_energy: none(),
         displacement: none(),
         velocity: none(),
         acceleration: none(),
