@@ -29,10 +29,10 @@ from pathlib import Path
 METHODS = {"implicit MPM": "implicit MPM", "MPM u-p ASGS": "MPM u-p PPP, triangles", "MPM USL": "MPM USL",
            "MPM MUSL": "MPM MUSL"}
 FOREIGN = ["frame", "basis", "basis_order", "flip_fraction", "transfer", "volumetric_law", "point_placement",
-           "point_velocity_rule", "held_motion", "grid_reset", "consistent_mass_matrix", "xpic_order"]
+           "point_velocity_rule", "held_motion", "grid_reset", "consistent_mass_matrix", "xpic_order",
+           "stabilization_parameters"]
 WITHOUT = {"frame": "a total-Lagrangian frame", "basis": "B-splines", "flip_fraction": "a share of PIC",
-           "transfer": "APIC", "point_velocity_rule": "a choice of the rule for the points' velocity",
-           "held_motion": "a choice of the velocity of held nodes"}
+           "transfer": "APIC"}
 SAMPLES = 100
 MATH = {name: getattr(math, name) for name in ("sin", "cos", "pi", "sqrt", "exp", "cosh", "sinh")}
 
