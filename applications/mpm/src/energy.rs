@@ -27,16 +27,19 @@ impl Scene {
     /// no law tells is none at the start, so that what is told may only fall.
     pub fn mechanical_energy(&self, model: &Model) -> Option<MechanicalEnergy> {
         let points = points_of(model)?;
+        // Implicit steps do not count the work of body forces that are functions.
+        let counts = self.settings.explicit.is_some();
         let known = |block: &Block| {
             block.velocity.is_used()
-                && !block.body_acceleration.is_used()
+                && (counts || !block.body_acceleration.is_used())
                 && (block.has_energy || !block.starts_stressed)
         };
-        if self.was_worked_on || points.losses.count + points.losses.clamped > 0 || !points.blocks.iter().all(known) {
+        if self.was_worked_on || points.losses.clamped > 0 || !points.blocks.iter().all(known) {
             return None;
         }
         let lasts = |block: &Block| block.has_energy && !block.state.is_used() && block.gravity == [0.0; 3];
-        let is_kept = points.blocks.iter().all(lasts);
+        // Points that are lost take energy along.
+        let is_kept = points.losses.count == 0 && points.blocks.iter().all(lasts);
         let mut energy = MechanicalEnergy { is_kept, work: self.work, ..MechanicalEnergy::default() };
         for block in &points.blocks {
             let height = |point: usize| -> f64 {

@@ -306,7 +306,7 @@ impl Solver for Explicit {
         let time_step = context.clock.time_step;
         with_points(context.model, |points, grid| {
             self.move_points(points, grid, time_step)?;
-            self.scene.work += self.nodes.work(time_step);
+            self.scene.work += self.nodes.work(time_step) + work_of_body_forces(points, time_step);
             self.show_affine_energy(points);
             let carrying = &self.nodes.carrying;
             let mut increments = Vec::new();
@@ -365,6 +365,18 @@ impl Solver for Explicit {
     fn save_state(&self, model: &Model, folder: &Path) -> Result<Vec<PathBuf>, Error> {
         crate::inventory::save_state(model, folder)
     }
+}
+
+/// Work in J of the body forces that are functions, in a step of this length.
+fn work_of_body_forces(points: &MaterialPoints, time_step: f64) -> f64 {
+    let mut power = 0.0;
+    for block in points.blocks.iter().filter(|block| block.body_acceleration.is_used()) {
+        for (point, mass) in block.mass.values().iter().enumerate() {
+            let (force, velocity) = (block.body_acceleration.row(point), block.velocity.row(point));
+            power += mass * force.iter().zip(velocity).map(|(b, v)| b * v).sum::<f64>();
+        }
+    }
+    time_step * power
 }
 
 /// The step, cut so that the run ends at its end and the last two steps are not far apart.
