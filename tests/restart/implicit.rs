@@ -42,6 +42,7 @@ const LAW: &str = "HyperElasticNeoHookeanPlaneStrain2DLaw";
 fn dynamics() {
     check("newmark", LAW, &json!({}));
     check("bossak", LAW, &json!({"scheme_type": "bossak"}));
+    check("supports with their own motion", LAW, &json!({"held_motion": "imposed"}));
     check("quasi-static", LAW, &json!({"solver_type": "quasi_static"}));
 }
 
