@@ -111,3 +111,35 @@ fn points_go_with_supports_that_set_off() {
         assert!(along < 2e-5, "{solver}: points that go along differ by {along:e}");
     }
 }
+
+/// A column of twenty thin cells is pressed together by six times their thickness in one step: the top row would be
+/// turned inside out if the rest stood still at first. All points move by the same share of their height.
+#[test]
+fn thin_cells_follow_a_support_that_moves_by_more_than_their_thickness() {
+    let solver = |members: Value| {
+        let mut solver = json!({"max_iteration": 30});
+        solver.as_object_mut().unwrap().extend(members.as_object().unwrap().clone());
+        solver
+    };
+    let mixed = json!({"pressure_dofs": true, "stabilization": "ppp"});
+    for (cell, points, law, members) in [
+        (Cell::Quadrilateral, 4, "HyperElasticNeoHookeanPlaneStrain2DLaw", json!({})),
+        (Cell::Triangle, 3, "HyperElasticNeoHookeanPlaneStrain2DLaw", json!({"frame": "total_lagrangian"})),
+        (Cell::Hexahedron, 8, "HyperElasticNeoHookean3DLaw", json!({})),
+        (Cell::Quadrilateral, 4, "HyperElasticNeoHookeanPlaneStrainUP2DLaw", mixed),
+    ] {
+        let mesh = Mesh::block(cell, [2, 20, 1], [0.0; 3], [0.2, 1.0, 0.1]);
+        let law = super::common::material(law, points, 1000.0, 1e6, 0.3);
+        let record = Scene::new(mesh.clone(), mesh, law, solver(members.clone()), 0.5)
+            .part("Floor", |x| x[1] == 0.0)
+            .part("Top", |x| x[1] == 1.0)
+            .part("Sides", move |[x, y, _]| y > 0.0 && y < 1.0 && (x == 0.0 || x == 0.2 || cell == Cell::Hexahedron))
+            .with(fix("Floor", json!([0.0, 0.0, 0.0])))
+            .with(fix("Top", json!([0.0, -0.3, 0.0])))
+            .with(fix("Sides", json!([0.0, null, 0.0])))
+            .run(&["--record-states", "1"]);
+        let places = record.first().points("MP_COORD").into_iter().zip(record.last().points("MP_COORD"));
+        let off = places.map(|(x, now)| (now[1] - 0.7 * x[1]).abs()).fold(0.0, f64::max);
+        assert!(off < 1e-9, "{cell:?} {members}: {off:e}");
+    }
+}

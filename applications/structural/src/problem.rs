@@ -226,6 +226,16 @@ impl NonlinearSystem for Problem<'_> {
         Ok(())
     }
 
+    fn set_back(&mut self) -> Option<Vec<f64>> {
+        let moved = self.displacements.iter().zip(self.step.start).zip(self.dofs().fixed());
+        let imposed: Vec<f64> = moved.map(|((u, start), held)| if *held { u - start } else { 0.0 }).collect();
+        if imposed.iter().all(|u| *u == 0.0) {
+            return None;
+        }
+        self.displacements.copy_from_slice(self.step.start);
+        Some(imposed)
+    }
+
     fn correct(&mut self, correction: &[f64]) {
         self.displacements.iter_mut().zip(correction).for_each(|(u, d)| *u += d);
     }

@@ -7,6 +7,7 @@ pub mod assembly;
 pub mod criteria;
 pub mod dofs;
 pub mod frames;
+mod lead;
 pub mod linear;
 pub mod loads;
 pub mod mesh;

@@ -1,6 +1,7 @@
 //! Newton's method on the dofs of active nodes.
 
 use super::criteria::free_norm;
+use super::lead::lead;
 use super::{ActiveDofs, Criterion, Field, References, System, Tolerances};
 use crate::diagnostic::InputErrors;
 use crate::error::{Error, Failure};
@@ -22,6 +23,12 @@ pub trait NonlinearSystem {
 
     /// Adds a correction to the unknowns and updates what depends on them.
     fn correct(&mut self, correction: &[f64]);
+
+    /// Sets displacements back to the start of the step and gives what has been imposed on held dofs since; none, and
+    /// nothing is changed, where that is nothing or is not known.
+    fn set_back(&mut self) -> Option<Vec<f64>> {
+        None
+    }
 
     /// The current unknowns, as the displacement criterion sees them.
     fn unknowns(&self) -> &[f64];
@@ -202,7 +209,13 @@ impl Newton {
         let mut initial = None;
         let mut references = References::default();
         loop {
-            timed(&mut report.assembly, || problem.assemble(system, true))?;
+            if let Err(inverted) = timed(&mut report.assembly, || problem.assemble(system, true)) {
+                let led = initial.is_none() && timed(&mut report.linear, || lead(problem, system, solver))?;
+                if !led {
+                    return Err(inverted);
+                }
+                timed(&mut report.assembly, || problem.assemble(system, true))?;
+            }
             references.note(problem.fields(), problem.dofs(), &system.rhs);
             let initial = *initial.get_or_insert_with(|| free_norm(problem.dofs(), &system.rhs));
             if !initial.is_finite() {
@@ -313,7 +326,7 @@ fn not_finite(problem: &dyn NonlinearSystem, rhs: &[f64]) -> Failure {
     }
 }
 
-fn describe(problem: &dyn NonlinearSystem, error: &LinearError) -> Failure {
+pub(super) fn describe(problem: &dyn NonlinearSystem, error: &LinearError) -> Failure {
     // The dof is named by node and component below; its number in the matrix says nothing to a user.
     let what = match error {
         LinearError::Singular { .. } => {

@@ -182,6 +182,16 @@ impl NonlinearSystem for Problem<'_> {
         Ok(())
     }
 
+    fn set_back(&mut self) -> Option<Vec<f64>> {
+        let of = |(u, held): (&f64, &bool)| if *held { *u } else { 0.0 };
+        let imposed: Vec<f64> = self.increments.iter().zip(self.dofs.fixed()).map(of).collect();
+        if imposed.iter().all(|u| *u == 0.0) {
+            return None;
+        }
+        self.increments.fill(0.0);
+        Some(imposed)
+    }
+
     fn correct(&mut self, correction: &[f64]) {
         self.increments.iter_mut().zip(correction).for_each(|(u, d)| *u += d);
     }

@@ -153,6 +153,15 @@ impl NonlinearSystem for MixedProblem<'_> {
         Ok(())
     }
 
+    fn set_back(&mut self) -> Option<Vec<f64>> {
+        let (block, imposed) = (self.base.dofs.block(), self.base.set_back()?);
+        for (node, values) in self.unknowns.values.chunks_exact_mut(block + 1).enumerate() {
+            values[..block].copy_from_slice(&self.base.increments[node * block..][..block]);
+        }
+        // Pressures stay.
+        Some(imposed.chunks_exact(block).flat_map(|imposed| imposed.iter().copied().chain([0.0])).collect())
+    }
+
     fn correct(&mut self, correction: &[f64]) {
         self.unknowns.values.iter_mut().zip(correction).for_each(|(u, d)| *u += d);
         self.unknowns.split(self.base.dofs.block(), &mut self.base.increments);
