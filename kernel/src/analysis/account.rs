@@ -272,7 +272,8 @@ impl Recorder {
         write().map_err(|source| Error::Write { path: self.plan.path.clone(), source })
     }
 
-    pub(super) fn finish(mut self, account: &Account, head: Map<String, Value>) -> Result<(), Error> {
+    /// Writes the facts of the run behind its states.
+    pub(super) fn complete(&mut self, account: &Account, head: Map<String, Value>) -> Result<(), Error> {
         let mut facts = json!({
             "bia_version": env!("CARGO_PKG_VERSION"),
             "threads": self.plan.threads,
@@ -295,10 +296,15 @@ impl Recorder {
         let mut write = || {
             self.file.write_all(b"],")?;
             self.file.write_all(&text.as_bytes()[1..])?;
-            self.file.flush()?;
-            std::fs::rename(&self.partial, &self.plan.path)
+            self.file.flush()
         };
-        self.whole = write().map(|()| true).map_err(|source| Error::Write { path: self.plan.path.clone(), source })?;
+        write().map_err(|source| Error::Write { path: self.plan.path.clone(), source })
+    }
+
+    /// Gives the complete file its name.
+    pub(super) fn publish(mut self) -> Result<(), Error> {
+        let named = std::fs::rename(&self.partial, &self.plan.path);
+        self.whole = named.map(|()| true).map_err(|source| Error::Write { path: self.plan.path.clone(), source })?;
         Ok(())
     }
 }

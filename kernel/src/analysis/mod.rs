@@ -209,7 +209,7 @@ impl Analysis {
     }
 
     /// What is told of a run that has ended without an error.
-    fn finish(&mut self, account: &mut Account, recorder: Option<Recorder>) -> Result<(), Error> {
+    fn finish(&mut self, account: &mut Account, mut recorder: Option<Recorder>) -> Result<(), Error> {
         let remarks = self.solver.remarks(&self.model).into_iter().chain(self.unreached());
         for remark in remarks.chain(self.unbalanced()) {
             tracing::warn!("{remark}");
@@ -225,16 +225,18 @@ impl Analysis {
             account.checkpoint = self.restart.as_ref().and_then(|restart| restart.files.last().cloned());
             return Ok(());
         }
-        if let Some(recorder) = recorder {
+        if let Some(recorder) = &mut recorder {
             let mut head = self.solver.account(&self.model);
             let errors = self.results().errors;
             if !errors.is_empty() {
                 head.insert("errors".into(), errors.into());
             }
-            recorder.finish(account, head)?;
+            recorder.complete(account, head)?;
         }
-        // A run that is done cannot be resumed.
-        Ok(self.restart.as_mut().map_or(Ok(()), Restart::clear)?)
+        // A run that is done cannot be resumed. One that is killed from here on begins anew: a checkpoint without the
+        // file that it goes on with would be of no use.
+        self.restart.as_mut().map_or(Ok(()), Restart::clear)?;
+        recorder.map_or(Ok(()), Recorder::publish)
     }
 
     /// Brings the scene to its start, or to the state of a checkpoint.
