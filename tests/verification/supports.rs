@@ -105,7 +105,7 @@ fn points_go_with_supports_that_set_off() {
     ] {
         let off = carried(solver.clone(), ["0.1", "-0.2"], ["0", "0"], |_| [0.1, -0.2]);
         assert!(off < 1e-12, "{solver}: points beside supports that set off lag by {off:e}");
-        // Nodes keep to places in the updated frame: the field of velocity is that of places, too.
+        // The field is one of places, or of first places in the total frame: a slope of 0.01 by a way of 1e-3 m, twice.
         let field = |x: &[f64]| [0.1 - 0.01 * x[1], 0.01 * x[0]];
         let along = carried(solver.clone(), ["0.1-0.01*y", "0.01*x"], ["0.1-0.01*y", "0.01*x"], field);
         assert!(along < 2e-5, "{solver}: points that go along differ by {along:e}");

@@ -9,7 +9,7 @@ use bia_kernel::model::ModelPart;
 use bia_kernel::solving::loads::{linear_rule, visit_loads};
 use bia_kernel::solving::ordered::in_order;
 use bia_kernel::solving::scheme::Coefficients;
-use bia_kernel::solving::{ActiveDofs, CellBuffer, NonlinearSystem, System};
+use bia_kernel::solving::{ActiveDofs, CellBuffer, NonlinearSystem, System, imposed};
 use bia_kernel::with_shape;
 use std::f64::consts::TAU;
 
@@ -227,11 +227,8 @@ impl NonlinearSystem for Problem<'_> {
     }
 
     fn set_back(&mut self) -> Option<Vec<f64>> {
-        let moved = self.displacements.iter().zip(self.step.start).zip(self.dofs().fixed());
-        let imposed: Vec<f64> = moved.map(|((u, start), held)| if *held { u - start } else { 0.0 }).collect();
-        if imposed.iter().all(|u| *u == 0.0) {
-            return None;
-        }
+        let motions = self.displacements.iter().zip(self.step.start).map(|(u, start)| u - start);
+        let imposed = imposed(motions, self.step.dofs.fixed())?;
         self.displacements.copy_from_slice(self.step.start);
         Some(imposed)
     }

@@ -24,7 +24,10 @@ fn unbalanced(start: MechanicalEnergy, end: MechanicalEnergy) -> Option<String> 
     let scale = start.own.max(end.own).max(REST * end.height);
     let growth = if is_worked_on { GROWTH_AT_WORK } else { GROWTH };
     let (what, advice) = if change > growth * scale {
-        ("grown", "a smaller time step, or a scheme that conserves energy, keeps it")
+        (
+            "grown",
+            "a smaller time step, smoother functions or ones that stay with the body, or a scheme that conserves energy, keep it",
+        )
     } else if end.is_kept && !is_worked_on && -change > LOSS * start.own {
         ("fallen", "finer cells and steps, functions that stay with the body, or less PIC, keep more of it")
     } else {

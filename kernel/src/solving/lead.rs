@@ -6,6 +6,13 @@ use super::newton::{NonlinearSystem, describe};
 use crate::error::Error;
 use bia_linalg::LinearSolver;
 
+/// What of these motions of the dofs since the start of the step is imposed, 0 where they are free; none if that is
+/// nothing. For [`NonlinearSystem::set_back`].
+pub fn imposed(motions: impl Iterator<Item = f64>, fixed: &[bool]) -> Option<Vec<f64>> {
+    let imposed: Vec<f64> = motions.zip(fixed).map(|(u, held)| if *held { u } else { 0.0 }).collect();
+    imposed.iter().any(|u| *u != 0.0).then_some(imposed)
+}
+
 /// Lets the free dofs follow the held ones, u_f = K_ff⁻¹ (r_f − K_fc u_c) with residual and tangent at the start of
 /// the step. Gives false where nothing is imposed, or the system does not tell what.
 ///

@@ -21,6 +21,7 @@ pub use assembly::{CellBuffer, System};
 pub use criteria::{Criterion, Field, Reference, References, Tolerances};
 pub use dofs::ActiveDofs;
 pub use frames::NodalFrames;
+pub use lead::imposed;
 pub use mesh::MeshSource;
 pub use newton::{Newton, NonlinearSystem, StepReport};
 pub use scheme::Newmark;

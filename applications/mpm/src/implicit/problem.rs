@@ -15,7 +15,7 @@ use bia_kernel::lanes::dispatch;
 use bia_kernel::model::ModelPart;
 use bia_kernel::solving::newton::ROUND_OFF;
 use bia_kernel::solving::scheme::Coefficients;
-use bia_kernel::solving::{ActiveDofs, CellBuffer, NonlinearSystem, System};
+use bia_kernel::solving::{ActiveDofs, CellBuffer, NonlinearSystem, System, imposed};
 
 /// Inertia of a dynamic step.
 pub struct Inertia {
@@ -183,11 +183,7 @@ impl NonlinearSystem for Problem<'_> {
     }
 
     fn set_back(&mut self) -> Option<Vec<f64>> {
-        let of = |(u, held): (&f64, &bool)| if *held { *u } else { 0.0 };
-        let imposed: Vec<f64> = self.increments.iter().zip(self.dofs.fixed()).map(of).collect();
-        if imposed.iter().all(|u| *u == 0.0) {
-            return None;
-        }
+        let imposed = imposed(self.increments.iter().copied(), self.dofs.fixed())?;
         self.increments.fill(0.0);
         Some(imposed)
     }
